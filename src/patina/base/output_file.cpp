@@ -1,0 +1,96 @@
+#include "patina/base/output_file.h"
+
+#include "patina/base/error.h"
+
+#include <unistd.h>
+
+#include <fstream>
+#include <sstream>
+
+namespace patina {
+namespace {
+
+namespace fs = std::filesystem;
+
+fs::path temporary_beside(const fs::path& target) {
+    return target.parent_path() /
+           ("." + target.filename().string() + ".partial-" + std::to_string(getpid()));
+}
+
+fs::path absolute_target(const fs::path& target) {
+    fs::path path = fs::absolute(target).lexically_normal();
+    if (path.filename().empty()) path = path.parent_path();
+    return path;
+}
+
+}  // namespace
+
+OutputFolder::OutputFolder(const fs::path& target, const std::string& option)
+    : target_(absolute_target(target)) {
+    const std::string name = target.string();
+    if (name.empty()) throw Error(option, "", "is empty", "the name of a folder to write");
+    if (fs::exists(target_) && !fs::is_directory(target_)) {
+        throw Error(name, "", "exists and is not a folder", "a new name or a folder to replace");
+    }
+    std::error_code code;
+    fs::create_directories(target_.parent_path(), code);
+    temporary_ = temporary_beside(target_);
+    fs::remove_all(temporary_, code);
+    fs::create_directory(temporary_, code);
+    if (code) throw Error(name, "", "cannot be written: " + code.message(), "a writable place");
+}
+
+OutputFolder::~OutputFolder() {
+    if (committed_) return;
+    std::error_code ignored;
+    fs::remove_all(temporary_, ignored);
+}
+
+void OutputFolder::commit() {
+    std::error_code code;
+    fs::path replaced;
+    if (fs::exists(target_)) {
+        replaced = temporary_;
+        replaced += ".old";
+        fs::rename(target_, replaced, code);
+        if (code) throw WorkFailed(target_.string() + ": cannot be replaced: " + code.message());
+    }
+    fs::rename(temporary_, target_, code);
+    if (code) {
+        std::error_code ignored;
+        if (!replaced.empty()) fs::rename(replaced, target_, ignored);
+        throw WorkFailed(target_.string() + ": cannot be written: " + code.message());
+    }
+    committed_ = true;
+    if (!replaced.empty()) fs::remove_all(replaced, code);
+}
+
+void write_file(const fs::path& target, const std::string& contents) {
+    const fs::path path = absolute_target(target);
+    const fs::path temporary = temporary_beside(path);
+    {
+        std::ofstream stream(temporary, std::ios::binary);
+        stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
+        stream.close();
+        if (!stream) {
+            std::error_code ignored;
+            fs::remove(temporary, ignored);
+            throw WorkFailed(target.string() + ": cannot be written");
+        }
+    }
+    std::error_code code;
+    fs::rename(temporary, path, code);
+    if (code) throw WorkFailed(target.string() + ": cannot be written: " + code.message());
+}
+
+std::string read_file(const fs::path& path) {
+    if (!fs::exists(path)) throw Error(path.string(), "", "does not exist", "a file");
+    if (fs::is_directory(path)) throw Error(path.string(), "", "is a folder", "a file");
+    std::ifstream stream(path, std::ios::binary);
+    std::ostringstream contents;
+    contents << stream.rdbuf();
+    if (!stream) throw Error(path.string(), "", "cannot be read", "a readable file");
+    return contents.str();
+}
+
+}  // namespace patina

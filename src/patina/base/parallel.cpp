@@ -1,0 +1,46 @@
+#include "patina/base/parallel.h"
+
+#include "patina/base/error.h"
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace patina {
+
+struct ThreadLimit::State {
+    explicit State(std::size_t count)
+        : control(oneapi::tbb::global_control::max_allowed_parallelism, count) {}
+    oneapi::tbb::global_control control;
+};
+
+ThreadLimit::ThreadLimit(int count)
+    : state_(std::make_unique<State>(
+          static_cast<std::size_t>(count > 0 ? count : oneapi::tbb::info::default_concurrency()))) {}
+
+ThreadLimit::~ThreadLimit() = default;
+
+int thread_count() {
+    return static_cast<int>(oneapi::tbb::global_control::active_value(
+        oneapi::tbb::global_control::max_allowed_parallelism));
+}
+
+void parallel_blocks(std::size_t count,
+                     std::size_t grain,
+                     const std::function<void(std::size_t, std::size_t)>& body) {
+    throw_if_interrupted();
+    if (count == 0) return;
+    const std::size_t step = std::max<std::size_t>(grain, 1);
+    const std::size_t num_blocks = (count + step - 1) / step;
+    oneapi::tbb::parallel_for(
+        oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1),
+        [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+            for (std::size_t block = range.begin(); block != range.end(); ++block) {
+                throw_if_interrupted();
+                body(block * step, std::min(count, (block + 1) * step));
+            }
+        });
+}
+
+}  // namespace patina
