@@ -1,0 +1,84 @@
+#include "patina/raytrace/tracer.h"
+
+#include "patina/base/random.h"
+#include "patina/math/warp.h"
+
+#include <gtest/gtest.h>
+
+namespace patina {
+namespace {
+
+// A heap of random triangles in the unit cube.
+Mesh random_triangles(int count) {
+    Mesh mesh;
+    Rng rng(1, Pass::tests, 0);
+    const auto random_point = [&rng] {
+        const double x = rng.uniform();
+        const double y = rng.uniform();
+        return Vec3(x, y, rng.uniform());
+    };
+    for (int i = 0; i < count; ++i) {
+        const Vec3 center = random_point();
+        for (int corner = 0; corner < 3; ++corner) {
+            const Vec3 p = center + 0.3 * (random_point() - Vec3::Constant(0.5));
+            mesh.positions.push_back(p.cast<float>());
+        }
+        const auto first = static_cast<std::uint32_t>(3 * i);
+        mesh.triangles.push_back({first, first + 1, first + 2});
+    }
+    return mesh;
+}
+
+TEST(Tracer, AgreesWithBruteForce) {
+    const Mesh mesh = random_triangles(300);
+    const Tracer fast(mesh, TracerBackend::embree);
+    const Tracer twin(mesh, TracerBackend::brute_force);
+    Rng rng(2, Pass::tests, 0);
+    int num_hits = 0;
+    int num_grazing = 0;
+    constexpr int kRays = 20000;
+    for (int i = 0; i < kRays; ++i) {
+        const Vec3 origin(rng.uniform(), rng.uniform(), rng.uniform());
+        const Vec3 direction = square_to_sphere({rng.uniform(), rng.uniform()});
+        const auto hit = fast.intersect(origin, direction);
+        const auto expected = twin.intersect(origin, direction);
+        // A ray within rounding of an edge may be decided either way: counted, and bounded below.
+        if (hit.has_value() != expected.has_value() ||
+            (hit && hit->triangle != expected->triangle)) {
+            ++num_grazing;
+            continue;
+        }
+        if (!hit) continue;
+        ++num_hits;
+        EXPECT_NEAR(hit->distance, expected->distance, 1e-4);
+        EXPECT_NEAR((hit->barycentric - expected->barycentric).norm(), 0, 2e-3);
+        // Clear of the hit by a part in a thousand, so that single precision cannot matter.
+        EXPECT_TRUE(fast.occluded(origin, direction, 1.001 * expected->distance));
+        EXPECT_FALSE(fast.occluded(origin, direction, 0.999 * expected->distance));
+    }
+    EXPECT_GT(num_hits, kRays / 10);
+    // Edges are 2^-23 wide against triangles of size 0.1: a part in 1e5 of the rays at most.
+    EXPECT_LE(num_grazing, 2);
+}
+
+TEST(Tracer, OffsetPointDoesNotHitItsOwnSurface) {
+    const Mesh mesh = random_triangles(100);
+    const Tracer tracer(mesh);
+    Rng rng(3, Pass::tests, 0);
+    for (std::uint32_t triangle = 0; triangle < mesh.triangles.size(); ++triangle) {
+        const SurfacePoint point = surface_point(mesh, triangle, Vec2f(0.3f, 0.3f));
+        const Frame frame(point.geometric_normal);
+        const Vec3 w = frame.to_world(square_to_cosine_hemisphere({rng.uniform(), rng.uniform()}));
+        const auto hit = tracer.intersect(tracer.offset(point, w), w);
+        EXPECT_TRUE(!hit || hit->triangle != triangle);
+    }
+}
+
+TEST(Tracer, EmptyMeshIsNeverHit) {
+    const Tracer tracer{Mesh{}};
+    EXPECT_FALSE(tracer.intersect(Vec3::Zero(), Vec3::UnitX()));
+    EXPECT_FALSE(tracer.occluded(Vec3::Zero(), Vec3::UnitX()));
+}
+
+}  // namespace
+}  // namespace patina
