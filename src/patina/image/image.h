@@ -24,7 +24,9 @@ struct Image {
         return (std::size_t(y) * std::size_t(width) + std::size_t(x)) * std::size_t(channels) +
                std::size_t(channel);
     }
-    [[nodiscard]] float at(int x, int y, int channel = 0) const { return data[index(x, y, channel)]; }
+    [[nodiscard]] float at(int x, int y, int channel = 0) const {
+        return data[index(x, y, channel)];
+    }
     [[nodiscard]] float& at(int x, int y, int channel = 0) { return data[index(x, y, channel)]; }
     [[nodiscard]] bool empty() const { return data.empty(); }
 
@@ -46,7 +48,8 @@ struct StoredImage {
 // them; a single channel stays one); alpha is dropped.
 // Throws Error(path, field, ...) when the file is missing, truncated or of a kind not understood.
 // field: where the caller found the name of the file, for the message.
-[[nodiscard]] StoredImage read_image(const std::filesystem::path& path, const std::string& field = "");
+[[nodiscard]] StoredImage read_image(const std::filesystem::path& path,
+                                     const std::string& field = "");
 
 // Width, height and channels (alpha not counted) from the header alone. The same errors.
 struct ImageSize {
