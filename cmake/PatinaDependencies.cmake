@@ -5,18 +5,21 @@ find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(Eigen3 3.4 REQUIRED NO_MODULE)
 find_package(embree 3 REQUIRED)
-find_package(OpenImageIO REQUIRED)
 find_package(nlohmann_json 3 REQUIRED)
 find_package(CLI11 2 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nanoflann REQUIRED)
 
-# Debian 12's OpenImageIO target names the header folder of OpenCV, which its -dev package does not
-# depend on; CMake then refuses the target. Headers of OpenCV are not needed: drop the folder.
-get_target_property(oiio_include_directories OpenImageIO::OpenImageIO INTERFACE_INCLUDE_DIRECTORIES)
-list(FILTER oiio_include_directories EXCLUDE REGEX "opencv")
+# The config file of Debian 12's libopenimageio-dev refuses to load without OpenCV's headers and the
+# programs of another package; neither is needed. So the library is looked up by hand.
+find_path(OPENIMAGEIO_INCLUDE_DIR OpenImageIO/imageio.h REQUIRED)
+find_library(OPENIMAGEIO_LIBRARY OpenImageIO REQUIRED)
+find_library(OPENIMAGEIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)
+add_library(OpenImageIO::OpenImageIO INTERFACE IMPORTED)
 set_target_properties(
-    OpenImageIO::OpenImageIO PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${oiio_include_directories}")
+    OpenImageIO::OpenImageIO
+    PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${OPENIMAGEIO_INCLUDE_DIR}"
+               INTERFACE_LINK_LIBRARIES "${OPENIMAGEIO_LIBRARY};${OPENIMAGEIO_UTIL_LIBRARY}")
 
 find_path(TINYOBJLOADER_INCLUDE_DIR tiny_obj_loader.h REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)

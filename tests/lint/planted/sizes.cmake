@@ -1,0 +1,10 @@
+include("${CMAKE_CURRENT_LIST_DIR}/planted.cmake")
+
+string(REPEAT "int x[2]; // a [bracket\n" 400 lines_400)
+string(REPEAT "\n" 600 lines_600)
+start_tree()
+add_file(src/patina/base/a.cpp "${lines_400}")
+add_file(src/patina/base/a_test.cpp "${lines_600}")
+expect_clean()
+expect_violation("has 401 lines" src/patina/base/bad.h "${lines_400}\n")
+expect_violation("has 601 lines" src/patina/base/bad_test.cpp "${lines_600}\n")

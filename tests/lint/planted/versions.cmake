@@ -1,0 +1,11 @@
+include("${CMAKE_CURRENT_LIST_DIR}/planted.cmake")
+
+start_tree()
+add_file(CMakeLists.txt "project(\n    patina\n    VERSION 1.2.3\n)\n")
+add_file(CITATION.cff "cff-version: 1.2.0\nversion: 1.2.3\n")
+add_file(CHANGELOG.md "# Changes\n\n## 1.2.3 (unreleased)\n\n## 1.2.2\n")
+expect_clean()
+expect_violation("citation: is at 1.2.2" CITATION.cff "cff-version: 1.2.0\nversion: 1.2.2\n")
+add_file(CITATION.cff "cff-version: 1.2.0\nversion: 1.2.3\n")
+expect_violation("changelog: is at 1.2.4" CHANGELOG.md "# Changes\n\n## 1.2.4\n\n## 1.2.3\n")
+expect_violation("CHANGELOG.md: has no version" CHANGELOG.md "# Changes\n")
