@@ -97,10 +97,10 @@ Vec3 position_at(const Camera& camera, double azimuth) {
 std::optional<Vec2> Camera::project(const Vec3& p_world) const {
     PATINA_CHECK(model != CameraModel::registered);
     const Vec3 p = world_from_camera.inverse().point(p_world);
-    if (!(p.z() > 0)) return std::nullopt;
     if (model == CameraModel::orthographic) {
         return Vec2(p.x() / pixel_size + 0.5 * width, p.y() / pixel_size + 0.5 * height);
     }
+    if (!(p.z() > 0)) return std::nullopt;
     const Vec2 undistorted = p.head<2>() / p.z();
     if (folds_over(distortion, undistorted.squaredNorm())) return std::nullopt;
     const Vec2 q = distort(distortion, undistorted);

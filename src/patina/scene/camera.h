@@ -33,15 +33,18 @@ struct Camera {
     Vec3 position = Vec3::Zero();                        // [length], registered
     FrameOfReference frame = FrameOfReference::world;
 
-    // Position in the image (top-left corner (0,0), first pixel's centre (0.5,0.5)); nothing when the
-    // point is not in front of the camera or lies where the distortion folds over. The result may lie
+    // Position in the image (top-left corner (0,0), first pixel's centre (0.5,0.5)); nothing when
+    // the point is not in front of a pinhole camera or lies where the distortion folds over.
+    // Orthographic cameras always answer, as their depth images may hold any z. The result may lie
     // outside the image. Not for registered cameras.
     [[nodiscard]] std::optional<Vec2> project(const Vec3& p_world) const;
-    // The ray through an image position, from the camera. Not for registered cameras.
+    // The ray through an image position, from the camera. Where distortion brings no point to this
+    // position, the ray at the rim of what it can show. Not for registered cameras.
     [[nodiscard]] Ray ray(const Vec2& pixel) const;
     // Unit direction from p towards the camera. azimuth: of p's column [rad], for scanner frames.
     [[nodiscard]] Vec3 direction_from(const Vec3& p_world, double azimuth) const;
-    // Distance from p to the camera's centre; along the axis to its plane for orthographic ones [length].
+    // Distance from p to the camera's centre [length]; for orthographic ones the depth of p, which
+    // is negative behind their plane.
     [[nodiscard]] double distance_from(const Vec3& p_world, double azimuth) const;
     // z in the camera's frame [length]. Not for registered cameras.
     [[nodiscard]] double depth_of(const Vec3& p_world) const;

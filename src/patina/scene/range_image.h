@@ -27,10 +27,14 @@ struct RangeFrame {
 // Azimuth of the centre of a column of a cylindrical range image [rad].
 [[nodiscard]] double column_azimuth(const RangeFrame& frame, int width, double column);
 
-// The surface: one vertex per measured pixel, smooth normals pointing away from the axis or towards
-// the camera, uv of the pixel's centre in the texel domain of the range image's own grid. Neighbours
-// further apart than max_step are not joined. range: one channel; NaN (and 0 where the format says so)
-// is not measured.
+// The surface: one vertex per measured pixel with measured neighbours, smooth normals pointing away
+// from the axis or towards the camera, uv of the pixel's centre in the texel domain of the range
+// image's own grid. Neighbours further apart than max_step are not joined. Triangles across the
+// seam of a full turn are cut halfway, so that uvs stay in [0,1]^2: one part ends at u = 1, the
+// other begins at u = 0. Where all four neighbours of a pixel are joined to it, its normal is that
+// of the central differences, with an error of second order in the pixel's size. range: one
+// channel. Not measured: what is not finite, and except for orthographic cameras what is not above
+// 0.
 [[nodiscard]] Mesh mesh_from_range(const RangeFrame& frame, const Image& range);
 
 }  // namespace patina
