@@ -57,6 +57,8 @@ function(patina_add_test name)
     endif()
     add_executable(${name} ${arg_SOURCES})
     target_link_libraries(${name} PRIVATE ${arg_LINKS} GTest::gmock GTest::gtest_main)
+    # Helpers of many tests: "support/<file>.h".
+    target_include_directories(${name} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
     gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600)
 endfunction()
 

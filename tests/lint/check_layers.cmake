@@ -36,6 +36,8 @@ function(check_include file own_layer name)
             lint_violation(
                 ${file} "layer ${own_layer} (${own_level}) includes ${name} of layer ${layer} (${level})")
         endif()
+    elseif(name MATCHES "^\"support/[^/]+\"$" AND file MATCHES "_test\\.cpp$")
+        # Helpers of many tests lie in tests/support.
     elseif(name MATCHES "^\"" AND NOT own_layer STREQUAL top)
         lint_violation(${file} "includes ${name} (expected \"patina/<layer>/<file>.h\")")
     endif()
