@@ -17,9 +17,9 @@ struct Light {
     LightType type = LightType::point;
     Vec3 position = Vec3::Zero();  // [length], point
     Rgb intensity = Rgb::Zero();   // [radiance x length^2], point
-    std::optional<Vec3>
-        direction;       // unit. point: the way in which it shines; directional: TOWARDS it
-    double falloff = 0;  // mu of max(0, cos)^mu about direction, point
+    // Unit. point: the way in which it shines; directional: TOWARDS it.
+    std::optional<Vec3> direction;
+    double falloff = 0;            // mu of max(0, cos)^mu about direction, point
     Rgb irradiance = Rgb::Zero();  // [radiance x sr] on a plane facing it, directional
     FrameOfReference frame = FrameOfReference::world;
     double position_stddev = 0;   // [length]
