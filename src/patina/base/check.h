@@ -15,25 +15,23 @@ namespace patina {
 
 }  // namespace patina
 
-#define PATINA_CHECK(condition)                                                  \
-    do {                                                                         \
-        if (!(condition)) {                                                      \
+#define PATINA_CHECK(condition)                                                    \
+    do {                                                                           \
+        if (!(condition)) {                                                        \
             ::patina::check_failed(__FILE__, __LINE__, #condition, std::string()); \
-        }                                                                        \
+        }                                                                          \
     } while (false)
 
-#define PATINA_CHECK_COMPARE(a, op, b)                                   \
-    do {                                                                 \
-        const auto& patina_check_a = (a);                                \
-        const auto& patina_check_b = (b);                                \
-        if (!(patina_check_a op patina_check_b)) {                       \
-            ::patina::check_failed(__FILE__,                             \
-                                   __LINE__,                             \
-                                   #a " " #op " " #b,                    \
-                                   fmt::format("{} against {}",          \
-                                               patina_check_a,           \
-                                               patina_check_b));         \
-        }                                                                \
+#define PATINA_CHECK_COMPARE(a, op, b)                                                            \
+    do {                                                                                          \
+        const auto& patina_check_a = (a);                                                         \
+        const auto& patina_check_b = (b);                                                         \
+        if (!(patina_check_a op patina_check_b)) {                                                \
+            ::patina::check_failed(__FILE__,                                                      \
+                                   __LINE__,                                                      \
+                                   #a " " #op " " #b,                                             \
+                                   fmt::format("{} against {}", patina_check_a, patina_check_b)); \
+        }                                                                                         \
     } while (false)
 
 #define PATINA_CHECK_EQ(a, b) PATINA_CHECK_COMPARE(a, ==, b)

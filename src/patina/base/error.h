@@ -30,7 +30,8 @@ class Interrupted : public std::runtime_error {
     Interrupted();
 };
 
-// Routes Ctrl-C and SIGTERM to a flag instead of ending the process at once; a second Ctrl-C ends it.
+// Routes Ctrl-C and SIGTERM to a flag instead of ending the process at once; a second Ctrl-C ends
+// it.
 void install_interrupt_handler();
 
 // Throws Interrupted once the flag is set. Cheap; called once per block of work, never per texel.

@@ -2,10 +2,9 @@
 
 #include "patina/base/error.h"
 
-#include <unistd.h>
-
 #include <fstream>
 #include <sstream>
+#include <unistd.h>
 
 namespace patina {
 namespace {

@@ -1,5 +1,5 @@
-// Outputs that exist whole or not at all: everything is written to a temporary name beside the target
-// and renamed at the end.
+// Outputs that exist whole or not at all: everything is written to a temporary name beside the
+// target and renamed at the end.
 #pragma once
 
 #include <filesystem>

@@ -17,7 +17,8 @@ struct ThreadLimit::State {
 
 ThreadLimit::ThreadLimit(int count)
     : state_(std::make_unique<State>(
-          static_cast<std::size_t>(count > 0 ? count : oneapi::tbb::info::default_concurrency()))) {}
+          static_cast<std::size_t>(count > 0 ? count : oneapi::tbb::info::default_concurrency()))) {
+}
 
 ThreadLimit::~ThreadLimit() = default;
 
@@ -33,14 +34,14 @@ void parallel_blocks(std::size_t count,
     if (count == 0) return;
     const std::size_t step = std::max<std::size_t>(grain, 1);
     const std::size_t num_blocks = (count + step - 1) / step;
-    oneapi::tbb::parallel_for(
-        oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1),
-        [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
-            for (std::size_t block = range.begin(); block != range.end(); ++block) {
-                throw_if_interrupted();
-                body(block * step, std::min(count, (block + 1) * step));
-            }
-        });
+    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1),
+                              [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+                                  for (std::size_t block = range.begin(); block != range.end();
+                                       ++block) {
+                                      throw_if_interrupted();
+                                      body(block * step, std::min(count, (block + 1) * step));
+                                  }
+                              });
 }
 
 }  // namespace patina

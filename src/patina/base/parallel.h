@@ -1,7 +1,8 @@
 // Parallel loops whose results do not depend on the number of threads.
 //
-// The body writes slot i and nothing else. Sums over all elements go through ordered_reduce(), which
-// adds fixed blocks in block order. Threads come from oneTBB, which only parallel.cpp includes.
+// The body writes slot i and nothing else. Sums over all elements go through ordered_reduce(),
+// which adds fixed blocks in block order. Threads come from oneTBB, which only parallel.cpp
+// includes.
 #pragma once
 
 #include <algorithm>

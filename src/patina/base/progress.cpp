@@ -2,9 +2,8 @@
 
 #include <fmt/format.h>
 
-#include <unistd.h>
-
 #include <cstdio>
+#include <unistd.h>
 
 namespace patina {
 namespace {
@@ -36,7 +35,8 @@ Progress::Mode Progress::detect(bool quiet) {
     return isatty(STDERR_FILENO) != 0 ? Mode::terminal : Mode::plain;
 }
 
-Progress::Progress(Mode mode) : mode_(mode), stage_start_(Clock::now()), last_drawn_(Clock::now()) {}
+Progress::Progress(Mode mode)
+    : mode_(mode), stage_start_(Clock::now()), last_drawn_(Clock::now()) {}
 
 Progress::~Progress() { clear_line(); }
 

@@ -29,7 +29,9 @@ class Progress {
     Progress& operator=(const Progress&) = delete;
 
     // Ends the stage before. total: units of work (0: unknown); unit: what they are, "photons".
-    void begin_stage(const std::string& stage, std::uint64_t total = 0, const std::string& unit = "");
+    void begin_stage(const std::string& stage,
+                     std::uint64_t total = 0,
+                     const std::string& unit = "");
     // Adds finished units. May be called from many threads.
     void advance(std::uint64_t units);
     // Ends the running stage; message is what came out ("262144 texels, 12 shots").

@@ -17,7 +17,8 @@ std::uint32_t reverse_bits(std::uint32_t x) {
     return x;
 }
 
-// Laine-Karras style hash on reversed bits: each bit is flipped by a function of the lower ones only.
+// Laine-Karras style hash on reversed bits: each bit is flipped by a function of the lower ones
+// only.
 std::uint32_t laine_karras(std::uint32_t x, std::uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;
@@ -31,7 +32,8 @@ std::uint32_t owen_scramble(std::uint32_t x, std::uint32_t seed) {
     return reverse_bits(laine_karras(reverse_bits(x), seed));
 }
 
-// Second Sobol dimension (primitive polynomial x + 1): direction number v_k = v_{k-1} ^ (v_{k-1} >> 1).
+// Second Sobol dimension (primitive polynomial x + 1): direction number v_k = v_{k-1} ^ (v_{k-1} >>
+// 1).
 std::uint32_t sobol_second(std::uint32_t index) {
     std::uint32_t result = 0;
     for (std::uint32_t v = 0x80000000u; index != 0; index >>= 1, v ^= v >> 1) {
@@ -96,8 +98,8 @@ SobolSampler::SobolSampler(std::uint64_t seed,
                            std::uint64_t element,
                            std::uint32_t sample_index)
     : sample_index_(sample_index) {
-    std::uint32_t hash = hash_combine(static_cast<std::uint32_t>(seed),
-                                      static_cast<std::uint32_t>(seed >> 32));
+    std::uint32_t hash =
+        hash_combine(static_cast<std::uint32_t>(seed), static_cast<std::uint32_t>(seed >> 32));
     hash = hash_combine(hash, static_cast<std::uint32_t>(pass));
     hash = hash_combine(hash, static_cast<std::uint32_t>(element));
     element_hash_ = hash_combine(hash, static_cast<std::uint32_t>(element >> 32));

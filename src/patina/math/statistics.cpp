@@ -26,7 +26,8 @@ double lower_gamma_series(double a, double x) {
     return sum * std::exp(-x + a * std::log(x) - std::lgamma(a));
 }
 
-// Regularised upper incomplete gamma function by its continued fraction (modified Lentz); x >= a + 1.
+// Regularised upper incomplete gamma function by its continued fraction (modified Lentz); x >= a
+// + 1.
 double upper_gamma_fraction(double a, double x) {
     constexpr double kTiny = 1e-300;
     double b = x + 1.0 - a;
@@ -78,16 +79,25 @@ double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); 
 
 double normal_quantile(double probability) {
     PATINA_CHECK(probability > 0 && probability < 1);
-    constexpr double a[] = {-3.969683028665376e+01, 2.209460984245205e+02,  -2.759285104469687e+02,
-                            1.383577518672690e+02,  -3.066479806614716e+01, 2.506628277459239e+00};
-    constexpr double b[] = {-5.447609879822406e+01, 1.615858368580409e+02,  -1.556989798598866e+02,
-                            6.680131188771972e+01,  -1.328068155288572e+01};
-    constexpr double c[] = {-7.784894002430293e-03, -3.223964580411365e-01, -2.400758277161838e+00,
-                            -2.549732539343734e+00, 4.374664141464968e+00,  2.938163982698783e+00};
-    constexpr double d[] = {7.784695709041462e-03,
-                            3.224671290700398e-01,
-                            2.445134137142996e+00,
-                            3.754408661907416e+00};
+    constexpr double a[] = {-3.969683028665376e+01,
+                            2.209460984245205e+02,
+                            -2.759285104469687e+02,
+                            1.383577518672690e+02,
+                            -3.066479806614716e+01,
+                            2.506628277459239e+00};
+    constexpr double b[] = {-5.447609879822406e+01,
+                            1.615858368580409e+02,
+                            -1.556989798598866e+02,
+                            6.680131188771972e+01,
+                            -1.328068155288572e+01};
+    constexpr double c[] = {-7.784894002430293e-03,
+                            -3.223964580411365e-01,
+                            -2.400758277161838e+00,
+                            -2.549732539343734e+00,
+                            4.374664141464968e+00,
+                            2.938163982698783e+00};
+    constexpr double d[] = {
+        7.784695709041462e-03, 3.224671290700398e-01, 2.445134137142996e+00, 3.754408661907416e+00};
     constexpr double kTail = 0.02425;
     const double tail = std::min(probability, 1 - probability);
     double z = 0;

@@ -19,7 +19,10 @@ float to_float_distance(double distance) {
     return distance > 3e38 ? std::numeric_limits<float>::infinity() : static_cast<float>(distance);
 }
 
-RTCRay make_ray(const Vec3& origin, const Vec3& direction, double min_distance, double max_distance) {
+RTCRay make_ray(const Vec3& origin,
+                const Vec3& direction,
+                double min_distance,
+                double max_distance) {
     RTCRay ray{};
     ray.org_x = static_cast<float>(origin.x());
     ray.org_y = static_cast<float>(origin.y());

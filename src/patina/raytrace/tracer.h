@@ -34,12 +34,13 @@ class Tracer {
         double max_distance = std::numeric_limits<double>::infinity()) const;
 
     // Whether anything lies in between.
-    [[nodiscard]] bool occluded(const Vec3& origin,
-                                const Vec3& direction,
-                                double max_distance = std::numeric_limits<double>::infinity()) const;
+    [[nodiscard]] bool occluded(
+        const Vec3& origin,
+        const Vec3& direction,
+        double max_distance = std::numeric_limits<double>::infinity()) const;
 
-    // Moves a point off its surface along the geometric normal, to the side of `direction`, by the size
-    // of the rounding error of single-precision coordinates in this scene.
+    // Moves a point off its surface along the geometric normal, to the side of `direction`, by the
+    // size of the rounding error of single-precision coordinates in this scene.
     [[nodiscard]] Vec3 offset(const SurfacePoint& point, const Vec3& direction) const;
 
     class Backend;

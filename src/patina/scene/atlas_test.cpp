@@ -9,7 +9,8 @@ namespace patina {
 namespace {
 
 // A rectangle of the xy plane, mapped to a rectangle of the texel domain.
-void add_rectangle(Mesh& mesh, const Vec3& origin, const Vec3& x, const Vec3& y, Vec2 uv0, Vec2 uv1) {
+void add_rectangle(
+    Mesh& mesh, const Vec3& origin, const Vec3& x, const Vec3& y, Vec2 uv0, Vec2 uv1) {
     const auto first = static_cast<std::uint32_t>(mesh.positions.size());
     for (const Vec3& p : {origin, Vec3(origin + x), Vec3(origin + x + y), Vec3(origin + y)}) {
         mesh.positions.push_back(p.cast<float>());
