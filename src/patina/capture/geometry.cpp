@@ -51,22 +51,7 @@ void check_triangles(const Mesh& mesh,
         expected);
 }
 
-void check_shape(const Mesh& mesh, const Place& place) {
-    if (mesh.triangles.empty()) place.fail("has no triangles", "a surface of triangles");
-    const auto out_of_range = [&](const Triangle& triangle) {
-        return std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
-            return corner >= mesh.positions.size();
-        });
-    };
-    check_triangles(
-        mesh, place, out_of_range, "names a vertex that is not there", "indices of vertices");
-    const auto not_finite = [&](const Triangle& triangle) {
-        return std::any_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
-            return !mesh.positions[corner].allFinite();
-        });
-    };
-    check_triangles(
-        mesh, place, not_finite, "has a corner that is not a number", "finite positions");
+void check_areas(const Mesh& mesh, const Place& place) {
     // Exact: differences and products of 24-bit numbers fit in double but for the last rounding.
     const auto is_flat = [&](const Triangle& triangle) {
         const Vec3 p0 = mesh.positions[triangle[0]].cast<double>();
@@ -115,7 +100,7 @@ Mesh load_mesh(const CaptureDescription& description) {
     const std::filesystem::path path = description.folder / source.mesh_file;
     const Place place{path.string(), "geometry.mesh"};
     Mesh mesh = read_mesh(path, place.field);
-    check_shape(mesh, place);
+    check_areas(mesh, place);
     if (mesh.uvs.empty()) {
         if (!source.unwrap) {
             place.fail("has no texture coordinates", "UVs, or \"unwrap\": true beside \"mesh\"");
@@ -185,7 +170,7 @@ Capture load_capture(const CaptureDescription& description) {
                     "more texels");
     }
     if (!from_mesh && source.range_frame.projection == RangeProjection::cylindrical) {
-        set_scanner_columns(capture.atlas, capture.mesh, source.range_frame);
+        set_scanner_columns(capture.atlas, source.range_frame);
     }
     return capture;
 }

@@ -88,7 +88,8 @@ double JsonField::number_not_below_zero() const {
 }
 
 int JsonField::integer(int low, int high) const {
-    const std::string expected = fmt::format("an integer from {} to {}", low, high);
+    const std::string expected =
+        low == high ? std::to_string(low) : fmt::format("an integer from {} to {}", low, high);
     require(JsonKind::integer, expected);
     if (value_->integer < low || value_->integer > high) fail(description(), expected);
     return int(value_->integer);
