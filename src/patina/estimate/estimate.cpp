@@ -1,0 +1,401 @@
+#include "patina/estimate/estimate.h"
+
+#include "patina/base/check.h"
+#include "patina/base/error.h"
+#include "patina/base/parallel.h"
+#include "patina/estimate/fill.h"
+#include "patina/estimate/indirect.h"
+#include "patina/math/statistics.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace patina {
+namespace {
+
+// Ps is measured when its standard error is below the larger of these two; sigma besides only when
+// Ps is told from zero by so many standard errors.
+constexpr double kSpecularRelativeError = 0.2;
+constexpr double kSpecularAbsoluteError = 0.01;
+constexpr double kSpecularDetection = 3.0;
+// Pixel classes and measurability are settled after so many turns: what flips to and fro would keep
+// the iteration from coming to rest.
+constexpr int kFreezeAfter = 12;
+// Method I alternates (a) and (b) without any transport; it needs no more turns than this.
+constexpr int kDirectIterations = 12;
+// Method II before method photon is only a start: it may stop this much earlier.
+constexpr double kStartTolerance = 20.0;
+constexpr double kMinDamping = 0.1;
+constexpr double kInitialRoughness = 0.2;  // [rad]
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+// What one turn finds for one texel, before filling and damping.
+struct TexelFit {
+    Reflectance reflectance;
+    bool observed = false;
+    bool specular_measured = false;
+    bool roughness_measured = false;
+    double misfit = 1;
+};
+
+// Sums over looks for E, and over texels for the change.
+struct TurnSums {
+    double squared_error = 0;
+    double count = 0;
+    TurnSums& operator+=(const TurnSums& other) {
+        squared_error += other.squared_error;
+        count += other.count;
+        return *this;
+    }
+};
+
+class Iteration {
+  public:
+    Iteration(const Capture& capture,
+              const SceneView& scene,
+              const Observations& observations,
+              const EstimateOptions& options,
+              Progress& progress)
+        : capture_(capture),
+          scene_(scene),
+          observations_(observations),
+          options_(options),
+          progress_(progress),
+          num_texels_(capture.atlas.texels.size()),
+          classes_(observations.rows.size(), PixelClass::neither),
+          fits_(num_texels_) {
+        Reflectance start;
+        start.roughness = kInitialRoughness;
+        result_.maps.assign(num_texels_, start);
+        result_.seen = observations.seen;
+    }
+
+    void run_direct() {
+        progress_.begin_stage("method direct", kDirectIterations, "turns");
+        const IndirectLight none;
+        for (int turn = 0; turn < kDirectIterations; ++turn) {
+            const IterationLog log = take_turn("direct", none, turn > 0, turn);
+            progress_.advance(1);
+            if (turn > 2 && log.change < options_.tolerance) break;
+        }
+        result_.converged = true;
+        progress_.end_stage(last_turn());
+    }
+
+    void run_indirect(PhotonEngine& engine,
+                      const std::string& stage,
+                      bool with_specular,
+                      double tolerance) {
+        result_.converged = false;
+        double previous_error = kInfinity;
+        int turn = 0;
+        for (; turn < options_.max_iterations && !result_.converged; ++turn) {
+            indirect_ = engine.evaluate(result_.maps, observations_.seen, with_specular);
+            if (turn == 0) progress_.begin_stage("method " + stage);
+            const IterationLog log = take_turn(stage, indirect_, true, turn);
+            const double error_change =
+                std::abs(log.error - previous_error) / std::max(log.error, 1e-300);
+            previous_error = log.error;
+            result_.converged =
+                (log.change < tolerance && error_change < tolerance && !log.retraced) ||
+                log.error < options_.threshold;
+        }
+        progress_.end_stage(last_turn());
+        if (!result_.converged) {
+            progress_.note(
+                fmt::format("warning: method {} had not settled after {} turns", stage, turn));
+        }
+    }
+
+    [[nodiscard]] Estimate finish() {
+        // Errors are those of the last turn's light and the final maps.
+        result_.errors.resize(num_texels_);
+        result_.status.assign(num_texels_, TexelStatus::unobserved);
+        result_.indirect_over_direct.assign(num_texels_, 0.0f);
+        parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) {
+                make_rows(i, indirect_, rows);
+                finish_texel(i, rows);
+            }
+        });
+        return std::move(result_);
+    }
+
+  private:
+    // --- The light of every look -----------------------------------------------------------------
+
+    void make_rows(std::size_t texel, const IndirectLight& light, std::vector<FitRow>& rows) const {
+        rows.clear();
+        for (const Observation& look : observations_.of(texel)) {
+            FitRow& row = rows.emplace_back();
+            row.radiance = look.radiance.cast<double>();
+            row.lamps = observations_.lamps(look);
+            row.theta_r = double(look.theta_r);
+            for (const LampTerm& lamp : row.lamps) row.irradiance += lamp.irradiance.cast<double>();
+            Rgb variance = look.variance.cast<double>();
+            if (!light.irradiance.empty()) {
+                const IndirectIrradiance& indirect =
+                    light.irradiance[scene_.lamp_set_of_shot[look.shot]];
+                row.irradiance += indirect.mean(texel);
+                row.irradiance_variance = indirect.variance(texel);
+                variance += (result_.maps[texel].diffuse / kPi).square() * row.irradiance_variance;
+            }
+            if (!light.lobe.empty())
+                row.indirect_lobe = light.lobe[look.shot][texel].cast<double>();
+            row.weight = 1 / variance.max(kSmallestVariance);
+        }
+    }
+
+    // --- One turn --------------------------------------------------------------------------------
+
+    IterationLog take_turn(const std::string& stage,
+                           const IndirectLight& light,
+                           bool has_maps,
+                           int turn) {
+        const bool frozen = turn >= kFreezeAfter;
+        const std::size_t num_blocks = (num_texels_ + kParallelBlock - 1) / kParallelBlock;
+        std::vector<TurnSums> sums(num_blocks);
+        parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) {
+                make_rows(i, light, rows);
+                for (const FitRow& row : rows) {
+                    sums[begin / kParallelBlock] +=
+                        {(row.radiance - predict(row, result_.maps[i])).square().sum(), 3.0};
+                }
+                assign_classes(i, has_maps, frozen, rows);
+                fit_texel(i, rows, frozen);
+            }
+        });
+        TurnSums total;
+        for (const TurnSums& block : sums) total += block;
+        if (!frozen) update_noise_scale();
+        fill_unmeasured(light);
+
+        IterationLog log;
+        log.stage = stage;
+        log.error = total.count > 0 ? total.squared_error / total.count : 0;
+        log.spectral_radius = light.spectral_radius;
+        log.retraced = light.retraced;
+        if (options_.loop == Loop::damped && !light.irradiance.empty()) {
+            log.damping = std::max(kMinDamping, 1 - square(std::min(1.0, light.spectral_radius)));
+        }
+        log.change = update_maps(log.damping);
+        result_.iterations.push_back(log);
+        return log;
+    }
+
+    void assign_classes(std::size_t texel, bool has_maps, bool frozen, std::vector<FitRow>& rows) {
+        PixelClass* const stored = classes_.data() + observations_.begin[texel];
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            if (!frozen) stored[k] = classify(rows[k], result_.maps[texel], has_maps, options_.fit);
+            rows[k].pixel_class = stored[k];
+        }
+    }
+
+    void fit_texel(std::size_t texel, const std::vector<FitRow>& rows, bool frozen) {
+        TexelFit& fit = fits_[texel];
+        fit.observed = !rows.empty();
+        if (rows.empty()) return;
+        const Reflectance& present = result_.maps[texel];
+        fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
+        const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options_.fit);
+        fit.reflectance.specular = lobe.specular;
+        fit.reflectance.roughness = lobe.has_rows ? lobe.roughness : present.roughness;
+        if (frozen) return;
+        const FitErrors errors = fit_errors(rows, fit.reflectance);
+        fit.misfit = errors.misfit;
+        judge(errors, lobe.has_rows, fit);
+    }
+
+    // Which of the texel's lobe parameters count as measured.
+    void judge(const FitErrors& errors, bool has_rows, TexelFit& fit) const {
+        const double ps = fit.reflectance.specular;
+        const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
+        const double error = errors.specular * result_.noise_scale;
+        const bool glossy = ps > kSpecularDetection * error;
+        fit.roughness_measured = has_rows && glossy && error < limit;
+        fit.specular_measured = fit.roughness_measured;
+        if (fit.roughness_measured || !has_rows) return;
+        // Not told from zero: measured, to be matte, if no lobe of ordinary width would have
+        // escaped.
+        const double matte_error = errors.specular_sigma_known * result_.noise_scale;
+        fit.specular_measured =
+            ps < kSpecularDetection * matte_error && matte_error < kSpecularAbsoluteError;
+    }
+
+    void update_noise_scale() {
+        std::vector<double> misfits;
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            if (fits_[i].observed && observations_.of(i).size() > 2)
+                misfits.push_back(fits_[i].misfit);
+        }
+        if (!misfits.empty()) result_.noise_scale = std::sqrt(median(std::move(misfits)));
+    }
+
+    // --- Filling ---------------------------------------------------------------------------------
+
+    void fill_unmeasured(const IndirectLight& light) {
+        std::vector<std::uint8_t> observed(num_texels_), specular(num_texels_),
+            roughness(num_texels_);
+        std::vector<double> values(num_texels_);
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            observed[i] = fits_[i].observed;
+            specular[i] = fits_[i].observed && fits_[i].specular_measured;
+            roughness[i] = fits_[i].observed && fits_[i].roughness_measured;
+        }
+        const auto fill =
+            [&](const std::vector<std::uint8_t>& known, double fallback, const auto& field) {
+                for (std::size_t i = 0; i < num_texels_; ++i)
+                    values[i] = field(fits_[i].reflectance);
+                interpolate_linearly(capture_.atlas, known, fallback, values);
+                for (std::size_t i = 0; i < num_texels_; ++i)
+                    field(fits_[i].reflectance) = values[i];
+            };
+        for (const Eigen::Index channel : {0, 1, 2}) {
+            fill(
+                observed, 0.0, [channel](Reflectance& r) -> double& { return r.diffuse[channel]; });
+        }
+        fill(roughness, kInitialRoughness, [](Reflectance& r) -> double& { return r.roughness; });
+        refit_matte(light, specular, roughness);
+        fill(specular, 0.0, [](Reflectance& r) -> double& { return r.specular; });
+    }
+
+    // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
+    void refit_matte(const IndirectLight& light,
+                     const std::vector<std::uint8_t>& specular,
+                     const std::vector<std::uint8_t>& roughness) {
+        parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (specular[i] == 0 || roughness[i] != 0) continue;
+                make_rows(i, light, rows);
+                Reflectance& fitted = fits_[i].reflectance;
+                fitted.specular = fit_specular_at(rows, fitted.diffuse, fitted.roughness).specular;
+            }
+        });
+    }
+
+    // Moves the maps towards the fits; returns the relative change.
+    double update_maps(double damping) {
+        result_.num_clamped = 0;
+        double moved = 0;
+        double size = 0;
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            Reflectance& map = result_.maps[i];
+            const Reflectance& fit = fits_[i].reflectance;
+            Reflectance next;
+            next.diffuse = map.diffuse + damping * (fit.diffuse - map.diffuse);
+            next.specular = map.specular + damping * (fit.specular - map.specular);
+            next.roughness = map.roughness + damping * (fit.roughness - map.roughness);
+            const Projection projection = project_to_feasible(next);
+            if (projection.was_clamped) ++result_.num_clamped;
+            next = projection.reflectance;
+            moved += (next.diffuse - map.diffuse).square().sum() +
+                     square(next.specular * square(next.roughness) -
+                            map.specular * square(map.roughness));
+            size += next.diffuse.square().sum();
+            map = next;
+        }
+        return size > 0 ? std::sqrt(moved / size) : 0;
+    }
+
+    // --- The end ---------------------------------------------------------------------------------
+
+    void finish_texel(std::size_t texel, const std::vector<FitRow>& rows) {
+        Reflectance& error = result_.errors[texel];
+        error.diffuse = Rgb::Constant(kInfinity);
+        error.specular = kInfinity;
+        error.roughness = kInfinity;
+        if (rows.empty()) return;
+        const TexelFit& fit = fits_[texel];
+        const FitErrors errors = fit_errors(rows, result_.maps[texel]);
+        const double scale = std::max(result_.noise_scale, std::sqrt(errors.misfit));
+        if (fit.roughness_measured) {
+            error.diffuse = scale * errors.diffuse;
+            error.specular = scale * errors.specular;
+            error.roughness = scale * errors.roughness;
+        } else {
+            error.diffuse = scale * errors.diffuse_lobe_known;
+            if (fit.specular_measured) error.specular = scale * errors.specular_sigma_known;
+        }
+        result_.status[texel] =
+            fit.specular_measured ? TexelStatus::measured : TexelStatus::lobe_filled;
+        double direct = 0;
+        double whole = 0;
+        for (const FitRow& row : rows) {
+            for (const LampTerm& lamp : row.lamps) direct += double(lamp.irradiance.mean());
+            whole += row.irradiance.mean();
+        }
+        if (direct > 0) result_.indirect_over_direct[texel] = float(whole / direct - 1);
+    }
+
+    [[nodiscard]] std::string last_turn() const {
+        const IterationLog& log = result_.iterations.back();
+        return fmt::format(
+            "{} turns, E {:.3g}, change {:.1e}, lambda {:.2f}",
+            std::count_if(result_.iterations.begin(),
+                          result_.iterations.end(),
+                          [&](const IterationLog& other) { return other.stage == log.stage; }),
+            log.error,
+            log.change,
+            log.spectral_radius);
+    }
+
+    // Keeps weights finite for captures that are noise-free to the last bit [radiance^2].
+    static constexpr double kSmallestVariance = 1e-16;
+
+    const Capture& capture_;
+    const SceneView& scene_;
+    const Observations& observations_;
+    const EstimateOptions& options_;
+    Progress& progress_;
+    std::size_t num_texels_;
+    std::vector<PixelClass> classes_;  // per row of the observations
+    std::vector<TexelFit> fits_;
+    IndirectLight indirect_;
+    Estimate result_;
+};
+
+void require(bool holds, const std::string& option, const std::string& expected) {
+    if (!holds) throw Error(option, "", "is out of range", expected);
+}
+
+}  // namespace
+
+void validate(const EstimateOptions& options) {
+    require(options.photons.photons >= 2 && options.photons.photons <= 1'000'000'000,
+            "--photons",
+            "2 to 1000000000");
+    require(options.max_iterations >= 1, "--iterations", "1 or more");
+    require(options.threshold >= 0, "--threshold", "0 or more");
+    require(options.tolerance > 0, "--tolerance", "a number above 0");
+}
+
+Estimate estimate_reflectance(const Capture& capture,
+                              const EstimateOptions& options,
+                              Progress& progress) {
+    validate(options);
+    progress.begin_stage("acceleration structure");
+    const Tracer tracer(capture.mesh);
+    const Surface surface{&capture.mesh, &tracer};
+    progress.end_stage(fmt::format("{} triangles", capture.mesh.triangles.size()));
+    const SceneView scene = view_scene(capture, surface, progress);
+    const Observations observations =
+        collect_observations(capture, scene, options.observations, progress);
+    Iteration iteration(capture, scene, observations, options, progress);
+    iteration.run_direct();
+    if (options.method != Method::direct) {
+        PhotonEngine engine(surface, capture.atlas, scene, options, progress);
+        const bool is_start = options.method == Method::photon;
+        iteration.run_indirect(
+            engine, "diffuse", false, options.tolerance * (is_start ? kStartTolerance : 1.0));
+        if (is_start) iteration.run_indirect(engine, "photon", true, options.tolerance);
+    }
+    return iteration.finish();
+}
+
+}  // namespace patina

@@ -1,0 +1,77 @@
+// The estimate: methods I (direct), II (diffuse) and the paper's (photon), on one iteration.
+//
+// Based on: Machida, Takemura, Yokoya. 2004, sections 2.2 and 3. docs/theory.md says where and why
+// we depart.
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/capture/capture.h"
+#include "patina/estimate/observations.h"
+#include "patina/estimate/texel_fit.h"
+#include "patina/transport/ratio_kernel.h"
+
+#include <string>
+#include <vector>
+
+namespace patina {
+
+enum class Method { direct, diffuse, photon };
+// How the maps follow a fit: damped by omega = 1 - lambda^2, or replaced by it as in the paper.
+enum class Loop { damped, plain };
+// How photons become irradiance. disc: the classical k nearest neighbours, for comparison only.
+enum class Irradiance { ratio, disc };
+
+struct EstimateOptions {
+    Method method = Method::photon;
+    Loop loop = Loop::damped;
+    Irradiance irradiance = Irradiance::ratio;
+    PhotonOptions photons;
+    RatioKernelOptions kernel;
+    ObservationOptions observations;
+    FitOptions fit;
+    int max_iterations = 60;  // of the outer loop, for each of methods II and photon; >= 1
+    double threshold = 0;     // stop when E of equation (5) falls below it [radiance^2]; >= 0
+    double tolerance = 1e-4;  // stop when maps and E change by less, relative [-]; > 0
+};
+
+enum class TexelStatus : std::uint8_t {
+    off_surface = 0,
+    measured = 1,
+    lobe_filled = 2,
+    unobserved = 3
+};
+
+// One turn of the outer loop.
+struct IterationLog {
+    std::string stage;  // the method whose loop it belongs to
+    double error =
+        0;  // E of equation (5): mean squared difference over looks and channels [radiance^2]
+    double change = 0;           // root mean square relative change of the maps' albedo [-]
+    double spectral_radius = 0;  // lambda, from the power of successive bounces [-]
+    double damping = 1;          // omega [-]
+    bool retraced = false;       // photons were traced anew before this turn
+};
+
+// One entry per texel of the atlas in every vector.
+struct Estimate {
+    std::vector<Reflectance> maps;
+    std::vector<Reflectance> errors;  // standard errors; +infinity where nothing is known
+    std::vector<TexelStatus> status;
+    std::vector<std::uint8_t>
+        seen;  // by some camera, within the angle limits, under an unshadowed lamp
+    std::vector<float>
+        indirect_over_direct;  // mean over looks of indirect over direct irradiance [-]
+    std::vector<IterationLog> iterations;
+    bool converged = false;
+    std::size_t num_clamped = 0;  // texels held in the feasible set
+    double noise_scale = 1;       // root of the median misfit over the stated variance [-]
+};
+
+// Throws Error for options out of range. option names in messages are those of the command line.
+void validate(const EstimateOptions& options);
+
+[[nodiscard]] Estimate estimate_reflectance(const Capture& capture,
+                                            const EstimateOptions& options,
+                                            Progress& progress);
+
+}  // namespace patina

@@ -1,0 +1,54 @@
+// The indirect light of every look, by photons that are traced once and weighted again.
+#pragma once
+
+#include "patina/estimate/estimate.h"
+#include "patina/estimate/observations.h"
+#include "patina/transport/ratio_kernel.h"
+
+#include <span>
+#include <vector>
+
+namespace patina {
+
+// Indirect light under one set of maps. Empty vectors: none is known of (method I).
+struct IndirectLight {
+    std::vector<IndirectIrradiance> irradiance;  // per lamp set
+    std::vector<std::vector<Rgbf>> lobe;  // per used shot, see indirect_lobe(); empty: not wanted
+    double spectral_radius = 0;           // lambda of the maps [-]
+    bool retraced = false;
+};
+
+class PhotonEngine {
+  public:
+    PhotonEngine(const Surface& surface,
+                 const TexelAtlas& atlas,
+                 const SceneView& scene,
+                 const EstimateOptions& options,
+                 Progress& progress);
+
+    // with_specular: whether surfaces reflect light on, and show it, by their lobes too (method
+    // photon) or by their diffuse part alone (method II). Traces when there are no photons yet,
+    // when with_specular changed, or when the effective number of stored photons has halved since
+    // they were traced.
+    [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
+                                         std::span<const std::uint8_t> seen,
+                                         bool with_specular);
+
+  private:
+    void trace(std::span<const Reflectance> guide);
+    [[nodiscard]] double weigh(std::span<const Reflectance> maps);
+
+    const Surface& surface_;
+    const TexelAtlas& atlas_;
+    const SceneView& scene_;
+    const EstimateOptions& options_;
+    Progress& progress_;
+    std::vector<std::vector<Vec3f>> w_v_;  // per camera view, per texel
+    std::vector<PhotonPaths> paths_;       // per lamp set
+    std::vector<PhotonPower> power_;       // per lamp set
+    RatioKernel kernel_;
+    bool traced_with_specular_ = false;
+    double effective_when_traced_ = 0;
+};
+
+}  // namespace patina

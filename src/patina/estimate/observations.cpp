@@ -1,0 +1,208 @@
+#include "patina/estimate/observations.h"
+
+#include "patina/base/error.h"
+#include "patina/base/parallel.h"
+#include "patina/math/statistics.h"
+#include "patina/observe/shot_samples.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+
+namespace patina {
+namespace {
+
+enum class LookQuality : std::uint8_t { none, poor, good };
+
+// How one shot looks at one texel, before the radiance is read.
+struct Look {
+    LookQuality quality = LookQuality::none;
+    bool seen = false;
+};
+
+class ObservationBuilder {
+  public:
+    ObservationBuilder(const Capture& capture,
+                       const SceneView& scene,
+                       const ObservationOptions& options)
+        : capture_(capture),
+          scene_(scene),
+          min_cos_i_(std::cos(options.max_light_angle)),
+          min_cos_v_(std::cos(options.max_view_angle)) {}
+
+    [[nodiscard]] Look look(std::size_t shot, std::size_t texel) const {
+        const TexelView& view = scene_.views[scene_.camera_of_shot[shot]][texel];
+        if (view.state == ViewState::hidden || view.cos_v < min_cos_v_) return {};
+        bool lit = false;
+        bool edge = view.state == ViewState::edge;
+        for (const auto* direct : scene_.lamp_sets[scene_.lamp_set_of_shot[shot]].direct) {
+            const DirectLight& light = (*direct)[texel];
+            if (light.state == ShadowState::edge) edge = true;
+            if (light.irradiance.maxCoeff() > 0 && light.cos_i >= min_cos_i_) lit = true;
+        }
+        if (!lit) return {};
+        return {edge ? LookQuality::poor : LookQuality::good, true};
+    }
+
+    void append(std::size_t shot,
+                std::size_t texel,
+                const TexelSample& sample,
+                std::vector<Observation>& rows,
+                std::vector<LampTerm>& terms) const {
+        const Vec3 normal = capture_.atlas.texels[texel].point.normal;
+        const TexelView& view = scene_.views[scene_.camera_of_shot[shot]][texel];
+        const Vec3 w_v = view.w_v.cast<double>().normalized();
+        Observation& row = rows.emplace_back();
+        row.radiance = sample.radiance;
+        row.variance = sample.variance;
+        row.shot = static_cast<std::uint32_t>(shot);
+        row.first_term = static_cast<std::uint32_t>(terms.size());
+        double nearest = square(kPi);
+        for (const auto* direct : scene_.lamp_sets[scene_.lamp_set_of_shot[shot]].direct) {
+            const DirectLight& light = (*direct)[texel];
+            if (light.irradiance.maxCoeff() <= 0) continue;
+            LampTerm& term = terms.emplace_back();
+            term.irradiance = light.irradiance;
+            const double theta_r_squared =
+                mirror_angle_squared(normal, light.w_i.cast<double>().normalized(), w_v);
+            term.theta_r_squared = float(theta_r_squared);
+            term.lobe_cosines = float(lobe_cosines(double(light.cos_i), double(view.cos_v)));
+            nearest = std::min(nearest, theta_r_squared);
+        }
+        row.num_terms = static_cast<std::uint32_t>(terms.size()) - row.first_term;
+        row.theta_r = float(std::sqrt(nearest));
+    }
+
+  private:
+    const Capture& capture_;
+    const SceneView& scene_;
+    double min_cos_i_;
+    double min_cos_v_;
+};
+
+// Read noise for captures that state none: a share of the bright end of the used samples.
+double default_variance(const std::vector<std::vector<TexelSample>>& samples, double share) {
+    std::vector<double> values;
+    for (const auto& shot : samples) {
+        for (std::size_t i = 0; i < shot.size(); i += 7) {
+            if (shot[i].usable) values.push_back(double(shot[i].radiance.maxCoeff()));
+        }
+    }
+    return values.empty() ? 0 : square(share * quantile(std::move(values), 0.99));
+}
+
+void add_noise_model(const ObservationOptions& options,
+                     double read_variance,
+                     Observations& result) {
+    const auto tau = float(options.calibration_stddev);
+    parallel_for(result.rows.size(), [&](std::size_t i) {
+        Observation& row = result.rows[i];
+        row.variance += float(read_variance) + (tau * row.radiance).square();
+    });
+}
+
+}  // namespace
+
+SceneView view_scene(const Capture& capture, const Surface& surface, Progress& progress) {
+    const CaptureDescription& description = capture.description;
+    SceneView scene;
+    std::map<std::size_t, std::size_t> view_of_camera;
+    std::map<std::vector<std::size_t>, std::size_t> set_of_lights;
+    for (std::size_t i = 0; i < description.shots.size(); ++i) {
+        const Shot& shot = description.shots[i];
+        if (shot.heldout) continue;
+        scene.shots.push_back(i);
+        scene.camera_of_shot.push_back(
+            view_of_camera.try_emplace(shot.camera, view_of_camera.size()).first->second);
+        scene.lamp_set_of_shot.push_back(
+            set_of_lights.try_emplace(shot.lights, set_of_lights.size()).first->second);
+    }
+    progress.begin_stage("direct light and views");
+    scene.views.resize(view_of_camera.size());
+    double pixel_size = 1;
+    for (const auto& [camera, view] : view_of_camera) {
+        scene.views[view] =
+            view_texels(capture.mesh, *surface.tracer, capture.atlas, description.cameras[camera]);
+        pixel_size = std::max(
+            pixel_size,
+            pixel_over_texel(capture.atlas, description.cameras[camera], scene.views[view]));
+    }
+    // A shadow's edge is as wide as a pixel, where that is larger than a texel.
+    const int edge_rings = std::clamp(int(std::ceil(pixel_size)), 1, 3);
+    scene.direct.resize(description.lights.size());
+    scene.lamp_sets.resize(set_of_lights.size());
+    for (const auto& [lights, set] : set_of_lights) {
+        for (const std::size_t light : lights) {
+            if (scene.direct[light].empty()) {
+                scene.direct[light] =
+                    direct_light(surface, capture.atlas, description.lights[light], edge_rings);
+            }
+            LampSet& lamps = scene.lamp_sets[set];
+            lamps.lights.push_back(&description.lights[light]);
+            lamps.direct.push_back(&scene.direct[light]);
+            if (description.lights[light].frame == FrameOfReference::scanner) {
+                lamps.turns_with_scanner = true;
+            }
+        }
+    }
+    progress.end_stage(fmt::format("{} texels, {} cameras, {} sets of lamps",
+                                   capture.atlas.texels.size(),
+                                   scene.views.size(),
+                                   scene.lamp_sets.size()));
+    return scene;
+}
+
+Observations collect_observations(const Capture& capture,
+                                  const SceneView& scene,
+                                  const ObservationOptions& options,
+                                  Progress& progress) {
+    const std::size_t num_texels = capture.atlas.texels.size();
+    const std::size_t num_shots = scene.shots.size();
+    progress.begin_stage("reading images", num_shots, "images");
+    std::vector<std::vector<TexelSample>> samples(num_shots);
+    for (std::size_t shot = 0; shot < num_shots; ++shot) {
+        samples[shot] = sample_shot(load_radiance(capture.description, scene.shots[shot]),
+                                    scene.views[scene.camera_of_shot[shot]]);
+        progress.advance(1);
+    }
+    const ObservationBuilder builder(capture, scene, options);
+    Observations result;
+    result.seen.assign(num_texels, 0);
+    result.begin.assign(num_texels + 1, 0);
+    std::vector<LookQuality> qualities(num_shots);
+    for (std::size_t texel = 0; texel < num_texels; ++texel) {
+        LookQuality best = LookQuality::none;
+        for (std::size_t shot = 0; shot < num_shots; ++shot) {
+            const Look look = builder.look(shot, texel);
+            if (look.seen) result.seen[texel] = 1;
+            qualities[shot] = samples[shot][texel].usable ? look.quality : LookQuality::none;
+            best = std::max(best, qualities[shot]);
+        }
+        for (std::size_t shot = 0; shot < num_shots; ++shot) {
+            if (best == LookQuality::none || qualities[shot] != best) continue;
+            builder.append(shot, texel, samples[shot][texel], result.rows, result.terms);
+        }
+        result.begin[texel + 1] = static_cast<std::uint32_t>(result.rows.size());
+    }
+    if (result.rows.empty()) {
+        throw Error(capture.description.file.string(),
+                    "shots",
+                    "no shot shows a lit part of the surface",
+                    "cameras and lamps in front of the object");
+    }
+    const double read_variance = capture.description.radiometry.has_noise
+                                     ? 0.0
+                                     : default_variance(samples, options.default_read_stddev);
+    add_noise_model(options, read_variance, result);
+    progress.end_stage(
+        fmt::format("{} shots, {:.1f} looks per seen texel",
+                    num_shots,
+                    double(result.rows.size()) /
+                        double(std::max<std::ptrdiff_t>(
+                            1, std::count(result.seen.begin(), result.seen.end(), 1)))));
+    return result;
+}
+
+}  // namespace patina

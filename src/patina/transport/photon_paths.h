@@ -1,0 +1,85 @@
+// Photons: traced once from a lamp through the scene, stored, and weighted again whenever the maps
+// change.
+//
+// Based on: Jensen. Realistic Image Synthesis Using Photon Mapping. 2001.
+// Based on: Machida, Takemura, Yokoya. 2004, section 2.2.1.
+// Direct light is known exactly at every texel, so a photon begins at the texel where the lamp's
+// light first arrives (chosen in proportion to that light), and what is stored are its later
+// arrivals: the indirect light. Directions and survival are drawn from fixed guide maps; the weight
+// of an arrival under other maps follows from the stored angles, so that one set of photons serves
+// every iteration and the iteration is a deterministic map (docs/theory.md, "Photons").
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/transport/direct.h"
+#include "patina/transport/surface.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace patina {
+
+struct PhotonOptions {
+    std::uint64_t photons = 2'000'000;  // per set of lamps that shine together; >= 2
+    std::uint64_t seed = 1;             // any
+    int max_bounces = 64;               // arrivals after which a photon is cut; >= 1
+    double azimuth_window = radians(
+        12.0);  // half width of the columns that a photon of a turning lamp counts for [rad]; > 0
+};
+
+// One reflection and the arrival after it.
+struct PhotonBounce {
+    TexelId from = kNoTexel;    // where it was reflected
+    TexelId to = kNoTexel;      // where it arrived
+    float theta_r_squared = 0;  // mirror angle of the reflection, squared [rad^2]
+    float lobe_cosines = 0;     // lobe_cosines() of the reflection [-]
+    float geometry =
+        0;  // cosine / (pdf x survival), and shading normal over geometric one on arrival [sr]
+    float window = 1;  // share that counts for the arrival's column (turning lamps) [1 or 1/rad]
+};
+
+// Marks a bounce that counts for no column.
+inline constexpr std::uint32_t kNoArrival = 0xffffffffu;
+
+// Everything that the photons of one set of lamps did. Bounces of a path are consecutive; arrivals
+// are the bounces that count, sorted by the texel of arrival.
+struct PhotonPaths {
+    struct Path {
+        Rgbf power = Rgbf::Zero();  // that falls on the first texel [radiance x sr x length^2]
+        std::uint32_t first_bounce = 0;
+        std::uint8_t half = 0;  // which of two independent halves of the photons
+    };
+    std::vector<Path> paths;  // those with at least one bounce, in order of photon index
+    std::vector<PhotonBounce> bounces;
+    std::vector<std::uint32_t> arrival_of_bounce;  // kNoArrival where the bounce does not count
+    std::vector<std::uint32_t> arrivals_begin;     // texels + 1 offsets into the arrivals
+    std::vector<std::uint8_t> arrival_half;
+    std::vector<Vec3f> arrival_direction;  // unit, from the surface back along the photon's way
+    std::uint64_t rays = 0;
+};
+
+// The lamps that shine together in a shot, with their direct light on every texel of the atlas.
+struct LampSet {
+    std::vector<const Light*> lights;
+    std::vector<const std::vector<DirectLight>*> direct;
+    bool turns_with_scanner = false;
+};
+
+// guide: per texel, what directions and survival are drawn from. stream: tells the lamp sets apart.
+[[nodiscard]] PhotonPaths trace_photons(const Surface& surface,
+                                        const TexelAtlas& atlas,
+                                        const LampSet& lamps,
+                                        std::span<const Reflectance> guide,
+                                        const PhotonOptions& options,
+                                        std::uint32_t stream,
+                                        Progress& progress);
+
+// The photons under given maps.
+struct PhotonPower {
+    std::vector<Rgbf> arrivals;     // power of every arrival [radiance x sr x length^2]
+    std::vector<double> by_bounce;  // power that arrives after 1, 2, ... reflections, all channels
+};
+[[nodiscard]] PhotonPower photon_power(const PhotonPaths& paths, std::span<const Reflectance> maps);
+
+}  // namespace patina

@@ -1,0 +1,203 @@
+#include "patina/transport/ratio_kernel.h"
+
+#include "patina/base/check.h"
+#include "patina/base/parallel.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace patina {
+namespace {
+
+constexpr double kMinNormalCosine = 0.7;
+constexpr double kPlaneShare = 0.1;  // of the radius
+// Lobes beyond this many sigma are below 1e-4 of the peak and not worth an exponential.
+constexpr float kLobeReachSquared = 4.3f * 4.3f;
+constexpr std::size_t kTexelsPerBlock = 1024;
+
+struct Candidate {
+    double distance = 0;  // [length]
+    TexelId texel = kNoTexel;
+    bool operator<(const Candidate& other) const {
+        return distance != other.distance ? distance < other.distance : texel < other.texel;
+    }
+};
+
+struct KernelEntry {
+    TexelId texel;
+    float weight;
+};
+
+// Finds kernels one after the other, reusing its memory.
+class KernelFinder {
+  public:
+    KernelFinder(const TexelAtlas& atlas,
+                 std::span<const double> arrivals,
+                 const RatioKernelOptions& options)
+        : atlas_(atlas),
+          arrivals_(arrivals),
+          options_(options),
+          visited_(atlas.texels.size(), kNoTexel) {}
+
+    void append(TexelId center, std::vector<KernelEntry>& entries) {
+        const Texel& texel = atlas_.texels[center];
+        const double size = std::sqrt(texel.area);
+        collect(center, options_.max_radius * size);
+        std::sort(candidates_.begin(), candidates_.end());
+        if (candidates_.size() > std::size_t(options_.max_texels)) {
+            candidates_.resize(std::size_t(options_.max_texels));
+        }
+        double count = 0;
+        double radius = 0;
+        for (const Candidate& candidate : candidates_) {
+            count += arrivals_[candidate.texel];
+            radius = candidate.distance;
+            if (count >= options_.arrivals && radius >= options_.min_radius * size) break;
+        }
+        if (count <= 0) return;
+        // The outermost texel keeps a positive weight.
+        radius = std::max(radius, options_.min_radius * size) * 1.05;
+        double area = 0;
+        const std::size_t first = entries.size();
+        for (const Candidate& candidate : candidates_) {
+            if (candidate.distance >= radius) break;
+            const double kappa = 1 - square(candidate.distance / radius);
+            entries.push_back({candidate.texel, float(kappa)});
+            area += kappa * atlas_.texels[candidate.texel].area;
+        }
+        for (std::size_t i = first; i < entries.size(); ++i) entries[i].weight /= float(area);
+    }
+
+  private:
+    void collect(TexelId center, double reach) {
+        const SurfacePoint& middle = atlas_.texels[center].point;
+        candidates_.clear();
+        candidates_.push_back({0.0, center});
+        visited_[center] = center;
+        for (std::size_t i = 0; i < candidates_.size(); ++i) {
+            const TexelId from = candidates_[i].texel;
+            for (std::uint32_t k = atlas_.neighbor_begin[from]; k < atlas_.neighbor_begin[from + 1];
+                 ++k) {
+                const TexelId to = atlas_.neighbors[k];
+                if (visited_[to] == center) continue;
+                visited_[to] = center;
+                const SurfacePoint& point = atlas_.texels[to].point;
+                const Vec3 offset = point.position - middle.position;
+                const double distance = offset.norm();
+                if (distance >= reach || point.normal.dot(middle.normal) < kMinNormalCosine ||
+                    std::abs(offset.dot(middle.normal)) > kPlaneShare * reach) {
+                    continue;
+                }
+                candidates_.push_back({distance, to});
+            }
+        }
+    }
+
+    const TexelAtlas& atlas_;
+    std::span<const double> arrivals_;
+    const RatioKernelOptions& options_;
+    std::vector<TexelId> visited_;  // the centre that saw this texel last
+    std::vector<Candidate> candidates_;
+};
+
+}  // namespace
+
+RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
+                               std::span<const double> arrivals,
+                               const RatioKernelOptions& options) {
+    PATINA_CHECK_EQ(arrivals.size(), atlas.texels.size());
+    const std::size_t num_texels = atlas.texels.size();
+    const std::size_t num_blocks = (num_texels + kTexelsPerBlock - 1) / kTexelsPerBlock;
+    std::vector<std::vector<KernelEntry>> blocks(num_blocks);
+    RatioKernel kernel;
+    kernel.begin.assign(num_texels + 1, 0);
+    // One finder serves a long run of blocks: its memory is as large as the atlas.
+    const std::size_t blocks_per_run = std::max<std::size_t>(1, num_blocks / 8);
+    parallel_blocks(num_blocks, blocks_per_run, [&](std::size_t first, std::size_t last) {
+        KernelFinder finder(atlas, arrivals, options);
+        for (std::size_t block = first; block < last; ++block) {
+            const std::size_t end = std::min(num_texels, (block + 1) * kTexelsPerBlock);
+            for (std::size_t i = block * kTexelsPerBlock; i < end; ++i) {
+                const std::size_t before = blocks[block].size();
+                finder.append(TexelId(i), blocks[block]);
+                kernel.begin[i + 1] = blocks[block].size() - before;
+            }
+        }
+    });
+    std::partial_sum(kernel.begin.begin(), kernel.begin.end(), kernel.begin.begin());
+    kernel.texel.reserve(kernel.begin.back());
+    kernel.weight.reserve(kernel.begin.back());
+    for (std::vector<KernelEntry>& block : blocks) {
+        for (const KernelEntry& entry : block) {
+            kernel.texel.push_back(entry.texel);
+            kernel.weight.push_back(entry.weight);
+        }
+        block = {};
+    }
+    return kernel;
+}
+
+IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
+                                       const PhotonPaths& paths,
+                                       std::span<const Rgbf> power) {
+    const std::size_t num_texels = kernel.begin.size() - 1;
+    std::vector<Rgbf> sums[2];
+    for (auto& half : sums) half.assign(num_texels, Rgbf::Zero());
+    parallel_for(num_texels, [&](std::size_t i) {
+        for (std::uint32_t k = paths.arrivals_begin[i]; k < paths.arrivals_begin[i + 1]; ++k) {
+            sums[paths.arrival_half[k]][i] += power[k];
+        }
+    });
+    IndirectIrradiance result;
+    for (int half = 0; half < 2; ++half) {
+        result.halves[half].assign(num_texels, Rgbf::Zero());
+        parallel_for(num_texels, [&](std::size_t i) {
+            Rgbf sum = Rgbf::Zero();
+            for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+                sum += kernel.weight[k] * sums[half][kernel.texel[k]];
+            }
+            result.halves[half][i] = sum;
+        });
+    }
+    return result;
+}
+
+std::vector<Rgbf> indirect_lobe(const RatioKernel& kernel,
+                                const PhotonPaths& paths,
+                                std::span<const Rgbf> power,
+                                const TexelAtlas& atlas,
+                                std::span<const Vec3f> w_v,
+                                std::span<const Reflectance> maps,
+                                std::span<const std::uint8_t> wanted) {
+    std::vector<Rgbf> result(atlas.texels.size(), Rgbf::Zero());
+    parallel_for(result.size(), [&](std::size_t i) {
+        if (wanted[i] == 0) return;
+        const Vec3f normal = atlas.texels[i].point.normal.cast<float>();
+        const float cos_v = normal.dot(w_v[i]);
+        if (cos_v <= 0) return;
+        const Vec3f mirror = 2 * cos_v * normal - w_v[i];
+        const float inverse_variance = float(1 / square(maps[i].roughness));
+        // 2 (1 - cos) < theta^2 <= 2 (1 - cos) pi^2/4: a test without acos.
+        const float min_cosine = 1 - 0.5f * kLobeReachSquared / inverse_variance;
+        Rgbf sum = Rgbf::Zero();
+        for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+            const TexelId y = kernel.texel[k];
+            Rgbf of_texel = Rgbf::Zero();
+            for (std::uint32_t a = paths.arrivals_begin[y]; a < paths.arrivals_begin[y + 1]; ++a) {
+                const Vec3f& w_i = paths.arrival_direction[a];
+                const float cosine = mirror.dot(w_i);
+                const float cos_i = normal.dot(w_i);
+                if (cosine < min_cosine || cos_i <= 0) continue;
+                const float half_chord = std::sqrt(std::max(0.0f, 0.5f * (1 - cosine)));
+                const float theta = 2 * std::asin(std::min(1.0f, half_chord));
+                of_texel += power[a] * (std::exp(-0.5f * theta * theta * inverse_variance) /
+                                        std::max(cos_i, float(kCosineFloor)));
+            }
+            sum += kernel.weight[k] * of_texel;
+        }
+        result[i] = sum / std::max(cos_v, float(kCosineFloor));
+    });
+    return result;
+}
+
+}  // namespace patina

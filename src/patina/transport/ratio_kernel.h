@@ -1,0 +1,66 @@
+// The ratio estimator of irradiance: power over area, summed with the same weights and the same
+// predicates, so that it is right at edges and in corners where disc estimators are not.
+//
+//     E(x) = sum_p kappa(x, p) dPhi_p / sum_y kappa(x, y) A_y
+//
+// Photons are located to their texel. docs/theory.md derives it and compares it with the disc.
+#pragma once
+
+#include "patina/transport/photon_paths.h"
+
+#include <span>
+#include <vector>
+
+namespace patina {
+
+struct RatioKernelOptions {
+    double arrivals = 150;    // per lamp set that a kernel should hold; > 0
+    double min_radius = 1.6;  // in units of the texel's size [-]; > 0
+    double max_radius = 7.0;  // in units of the texel's size [-]; >= min_radius
+    int max_texels = 160;     // in one kernel; >= 1
+};
+
+// Weights kappa / sum(kappa A) [1/length^2] of the texels about each texel, compressed rows.
+struct RatioKernel {
+    std::vector<std::size_t> begin;  // texels + 1 offsets
+    std::vector<TexelId> texel;
+    std::vector<float> weight;
+};
+
+// arrivals: photons that arrived in each texel, averaged over the lamp sets; decides the radii.
+// Kernels spread over the surface from neighbour to neighbour (also across seams), stop where the
+// normal turns by more than 45 degrees or the surface leaves the tangent plane by a tenth of the
+// radius, and are empty where no photon is in reach.
+[[nodiscard]] RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
+                                             std::span<const double> arrivals,
+                                             const RatioKernelOptions& options);
+
+// Indirect irradiance of every texel from the two independent halves of the photons [radiance x
+// sr].
+struct IndirectIrradiance {
+    std::vector<Rgbf> halves[2];
+
+    [[nodiscard]] Rgb mean(std::size_t texel) const {
+        return 0.5 * (halves[0][texel] + halves[1][texel]).cast<double>();
+    }
+    // Variance of mean(), from the difference of the halves.
+    [[nodiscard]] Rgb variance(std::size_t texel) const {
+        return 0.25 * (halves[0][texel] - halves[1][texel]).cast<double>().square();
+    }
+};
+[[nodiscard]] IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
+                                                     const PhotonPaths& paths,
+                                                     std::span<const Rgbf> power);
+
+// Indirect light seen through the lobe: pi times the radiance towards w_v that a lobe of Ps = 1 and
+// the texel's roughness reflects of it [radiance x sr]. Zero where wanted is 0. w_v: per texel,
+// unit, towards the camera.
+[[nodiscard]] std::vector<Rgbf> indirect_lobe(const RatioKernel& kernel,
+                                              const PhotonPaths& paths,
+                                              std::span<const Rgbf> power,
+                                              const TexelAtlas& atlas,
+                                              std::span<const Vec3f> w_v,
+                                              std::span<const Reflectance> maps,
+                                              std::span<const std::uint8_t> wanted);
+
+}  // namespace patina
