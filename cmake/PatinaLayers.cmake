@@ -59,6 +59,7 @@ function(patina_add_test name)
     target_link_libraries(${name} PRIVATE ${arg_LINKS} GTest::gmock GTest::gtest_main)
     # Helpers of many tests: "support/<file>.h".
     target_include_directories(${name} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
+    target_compile_definitions(${name} PRIVATE "PATINA_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
     gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600)
 endfunction()
 
