@@ -17,6 +17,7 @@ fs::path temporary_beside(const fs::path& target) {
 }
 
 fs::path absolute_target(const fs::path& target) {
+    if (target.empty()) return target;
     fs::path path = fs::absolute(target).lexically_normal();
     if (path.filename().empty()) path = path.parent_path();
     return path;

@@ -3,6 +3,7 @@
 #include "patina/base/output_file.h"
 #include "patina/image/image.h"
 #include "patina/image/pfm.h"
+#include "patina/image/png_check.h"
 
 #include <OpenImageIO/filesystem.h>
 #include <OpenImageIO/imageio.h>
@@ -141,6 +142,10 @@ SampleKind sample_kind(const OIIO::ImageSpec& spec, const Place& place) {
 
 OpenedImage open_image(FileKind kind, const Place& place) {
     silence_debug_remarks();
+    // libpng takes a file for complete once it has all rows, and prints what it finds wrong.
+    if (kind == FileKind::png && !is_whole_png(read_file(place.path))) {
+        place.fail("is damaged or truncated", "a complete PNG image");
+    }
     OpenedImage opened;
     opened.input = OIIO::ImageInput::create(reader_name(kind));
     if (!opened.input) {
@@ -193,17 +198,7 @@ Image read_samples(const OpenedImage& opened,
     return image;
 }
 
-// libpng calls a file complete once it has all rows; the end mark shows that nothing was cut off.
-void check_png_end(const Place& place) {
-    using namespace std::string_view_literals;
-    constexpr std::string_view kEnd = "\0\0\0\0IEND\xae\x42\x60\x82"sv;
-    if (read_file(place.path).find(kEnd) == std::string::npos) {
-        place.fail("is damaged or truncated: it has no end mark", "a complete image");
-    }
-}
-
 StoredImage read_with_oiio(FileKind kind, const Place& place) {
-    if (kind == FileKind::png) check_png_end(place);
     const OpenedImage opened = open_image(kind, place);
     switch (opened.kind) {
         case SampleKind::unsigned8:

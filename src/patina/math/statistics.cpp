@@ -130,20 +130,31 @@ ChiSquareTest chi_square_test(std::span<const double> observed, std::span<const 
     std::stable_sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
         return expected[i] < expected[j];
     });
-    ChiSquareTest test;
-    int num_pools = 0;
-    double pool_observed = 0;
-    double pool_expected = 0;
+    struct Pool {
+        double observed = 0;
+        double expected = 0;
+    };
+    std::vector<Pool> pools(1);
     for (const std::size_t i : order) {
-        pool_observed += observed[i];
-        pool_expected += expected[i];
-        if (pool_expected < kSmallestPoolExpectation) continue;
-        test.statistic +=
-            (pool_observed - pool_expected) * (pool_observed - pool_expected) / pool_expected;
-        ++num_pools;
-        pool_observed = pool_expected = 0;
+        if (pools.back().expected >= kSmallestPoolExpectation) pools.emplace_back();
+        pools.back().observed += observed[i];
+        pools.back().expected += expected[i];
     }
-    test.degrees_of_freedom = std::max(num_pools - 1, 1);
+    // What is left at the end is too small to stand alone.
+    if (pools.size() > 1 && pools.back().expected < kSmallestPoolExpectation) {
+        const Pool rest = pools.back();
+        pools.pop_back();
+        pools.back().observed += rest.observed;
+        pools.back().expected += rest.expected;
+    }
+    ChiSquareTest test;
+    for (const Pool& pool : pools) {
+        if (pool.expected > 0) {
+            test.statistic +=
+                (pool.observed - pool.expected) * (pool.observed - pool.expected) / pool.expected;
+        }
+    }
+    test.degrees_of_freedom = std::max(static_cast<int>(pools.size()) - 1, 1);
     test.p_value = chi_square_survival(test.statistic, test.degrees_of_freedom);
     return test;
 }
