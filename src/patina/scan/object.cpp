@@ -1,0 +1,180 @@
+#include "patina/scan/object.h"
+
+#include "patina/base/error.h"
+#include "patina/base/parallel.h"
+#include "patina/scan/material.h"
+#include "patina/scan/surface_nets.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+namespace patina {
+namespace {
+
+// Object A [m]: the plates' depth, and their width along the edge that they share.
+constexpr double kPlateDepth = 0.15;
+constexpr double kPlateWidth = 0.2;
+// Coarsest cells of a figurine's mesh [m]: ears and nostrils keep their shape, more than 50 000
+// triangles.
+constexpr double kCoarsestCell = 0.0012;
+// Typical distance of a figurine's surface from its axis [m].
+constexpr double kTypicalRadius = 0.05;
+// Rays towards the axis start this far from it [m], outside of every figurine.
+constexpr double kOutside = 0.5;
+// The range image begins and ends this far from the ends of the mesh [m].
+constexpr double kScanMargin = 0.0005;
+
+Finish plate_finish() { return {Rgb(0.62, 0.45, 0.32), 0.03, 0.2}; }
+
+std::vector<Panel> plates() {
+    const Vec3 right(kPlateWidth, 0, 0);
+    const Vec3 corner(-kPlateWidth / 2, 0, 0);
+    return {{corner + Vec3(0, kPlateDepth, 0), right, Vec3(0, -kPlateDepth, 0), 1},
+            {corner, right, Vec3(0, 0, kPlateDepth), 1}};
+}
+
+std::vector<Panel> groove() {
+    const Vec3 right(kGrooveLength, 0, 0);
+    const Vec3 corner(-kGrooveLength / 2, 0, 0);
+    const double lean = radians(45.0 / 2);
+    const Vec3 rear = kGrooveSide * Vec3(0, std::cos(lean), -std::sin(lean));
+    const Vec3 front = kGrooveSide * Vec3(0, std::cos(lean), std::sin(lean));
+    return {{corner + rear, right, -rear, 1}, {corner, right, front, 1}};
+}
+
+std::vector<Panel> channel() {
+    const Vec3 right(kChannelLength, 0, 0);
+    const Vec3 rear(-kChannelLength / 2, 0, -kChannelWidth / 2);
+    const Vec3 up(0, 2 * kChannelWidth, 0);
+    const Vec3 across(0, 0, kChannelWidth);
+    return {{rear + up, right, -up, 2}, {rear, right, across, 1}, {rear + across, right, up, 2}};
+}
+
+SimulatedObject from_panels(ObjectKind kind,
+                            const std::string& name,
+                            std::vector<Panel> panels,
+                            const Reflectance& reflectance) {
+    Mesh mesh = mesh_of_panels(panels);
+    std::vector<Reflectance> values(mesh.positions.size(), reflectance);
+    Tracer tracer(mesh);
+    return {kind,
+            name,
+            std::move(mesh),
+            std::move(values),
+            std::move(tracer),
+            {},
+            std::move(panels),
+            {}};
+}
+
+// Cells about as large as the texels, so that the mesh has about twice as many triangles as the
+// surface of the range image; their vertices lie on the solid itself, and so do their normals.
+double figurine_cell(const Figurine& figurine, int columns, int rows) {
+    const double height = figurine.bounds.high.y() - figurine.bounds.low.y();
+    const double texel_area = (2 * kPi * kTypicalRadius / columns) * (height / rows);
+    return std::min(kCoarsestCell, std::sqrt(texel_area));
+}
+
+SimulatedObject from_figurine(
+    ObjectKind kind, const std::string& name, Figurine figurine, int columns, int rows) {
+    const double cell = figurine_cell(figurine, columns, rows);
+    Mesh mesh = surface_nets(figurine.distance, {figurine.bounds, cell});
+    std::vector<Reflectance> values(mesh.positions.size());
+    parallel_for(values.size(), [&](std::size_t i) {
+        values[i] =
+            figurine.reflectance(mesh.positions[i].cast<double>(), mesh.normals[i].cast<double>());
+    });
+    Tracer tracer(mesh);
+    const Bounds bounds = bounds_of(mesh);
+    RangeFrame frame;
+    frame.height_begin = bounds.low.y() + kScanMargin;
+    frame.height_end = bounds.high.y() - kScanMargin;
+    return {kind,
+            name,
+            std::move(mesh),
+            std::move(values),
+            std::move(tracer),
+            frame,
+            {},
+            std::move(figurine.distance)};
+}
+
+void check_size(const SimulatedObject& object, int columns, int rows) {
+    const int multiple = total_parts(object.panels);
+    if (multiple == 0 || rows % multiple == 0) return;
+    throw Error("--texels",
+                "",
+                fmt::format("{} x {} does not divide the rows of {}", columns, rows, object.name),
+                fmt::format("a number of rows that is a multiple of {}", multiple));
+}
+
+}  // namespace
+
+ObjectKind object_kind_from_name(const std::string& name) {
+    std::string upper = name;
+    std::transform(upper.begin(), upper.end(), upper.begin(), [](unsigned char c) {
+        return static_cast<char>(std::toupper(c));
+    });
+    if (upper == "A") return ObjectKind::a;
+    if (upper == "B") return ObjectKind::b;
+    if (upper == "C") return ObjectKind::c;
+    if (upper == "V45") return ObjectKind::v45;
+    if (upper == "U") return ObjectKind::u;
+    throw Error("OBJECT", "", "'" + name + "' is not known", "A, B, C, V45 or U");
+}
+
+SimulatedObject make_object(ObjectKind kind, int columns, int rows) {
+    if (columns < 1 || rows < 1) {
+        throw Error("--texels",
+                    "",
+                    fmt::format("is {} x {}", columns, rows),
+                    "at least one column and one row");
+    }
+    const Reflectance matte{Rgb::Constant(kGrooveDiffuse), 0, kObjectMaxRoughness};
+    switch (kind) {
+        case ObjectKind::b:
+            return from_figurine(kind, "object B, a cat", make_cat(), columns, rows);
+        case ObjectKind::c:
+            return from_figurine(kind, "object C, a pig", make_pig(), columns, rows);
+        case ObjectKind::v45: {
+            auto object = from_panels(kind, "a groove of 45 degrees", groove(), matte);
+            check_size(object, columns, rows);
+            return object;
+        }
+        case ObjectKind::u: {
+            auto object = from_panels(kind, "a channel twice as deep as wide", channel(), matte);
+            check_size(object, columns, rows);
+            return object;
+        }
+        case ObjectKind::a:
+            break;
+    }
+    auto object = from_panels(
+        kind, "object A, two glossy plates", plates(), make_reflectance(plate_finish()));
+    check_size(object, columns, rows);
+    return object;
+}
+
+std::optional<SurfacePoint> point_at_pixel(const SimulatedObject& object,
+                                           int columns,
+                                           int rows,
+                                           const Vec2& pixel) {
+    const Vec2 share(pixel.x() / columns, pixel.y() / rows);
+    if (!object.range_frame) {
+        if (share.minCoeff() < 0 || share.maxCoeff() >= 1) return std::nullopt;
+        return point_on_panels(object.mesh, object.panels, share);
+    }
+    const RangeFrame& frame = *object.range_frame;
+    const double azimuth = column_azimuth(frame, columns, pixel.x() - 0.5);
+    const double y = frame.height_end - share.y() * (frame.height_end - frame.height_begin);
+    const Vec3 outwards = rotate_about_y(azimuth, Vec3::UnitZ());
+    const std::optional<RayHit> hit =
+        object.tracer.intersect(kOutside * outwards + Vec3(0, y, 0), -outwards, 0, kOutside);
+    if (!hit) return std::nullopt;
+    return surface_point(object.mesh, hit->triangle, hit->barycentric);
+}
+
+}  // namespace patina
