@@ -1,0 +1,51 @@
+// The folder that an estimate leaves: maps, surface and result.json. docs/result.md describes it.
+#pragma once
+
+#include "patina/image/image.h"
+#include "patina/scene/mesh.h"
+
+#include <filesystem>
+#include <string>
+
+namespace patina {
+
+// What is known of a texel; the values of status.exr.
+enum class TexelStatus {
+    off_surface = 0,       // every map is 0 here
+    measured = 1,          // Pd and Ps, and sigma too unless Ps is not told from 0
+    diffuse_measured = 2,  // Pd; Ps and sigma are filled
+    filled = 3,            // never usefully observed
+};
+
+// Maps in the texel domain, all of one size. Never NaN; standard errors may be +infinity.
+struct ReflectanceMaps {
+    Image diffuse;         // Pd, three channels [-]
+    Image specular;        // Ps, one channel [-]; in files three equal ones
+    Image roughness;       // sigma, one channel [rad]
+    Image diffuse_stderr;  // one standard error, channels as above; +infinity: nothing known
+    Image specular_stderr;
+    Image roughness_stderr;
+    Image status;  // one channel, a TexelStatus as a number
+};
+
+struct Result {
+    ReflectanceMaps maps;
+    Mesh mesh;         // the surface in the capture's frame, with uvs
+    std::string json;  // the text of result.json
+    std::string name;  // of the capture
+};
+
+// Writes the seven maps as OpenEXR into an existing folder. The maps must be as described above:
+// sizes and channels, no NaN, statuses 0 to 3, and 0 in every map where the status is 0; anything
+// else is a bug of the caller (PATINA_CHECK). Throws WorkFailed when the disk refuses.
+void write_result_maps(const std::filesystem::path& folder, const ReflectanceMaps& maps);
+
+// Writes the whole folder: maps, geometry.ply and result.json (the text as it is).
+void write_result(const std::filesystem::path& folder, const Result& result);
+
+// Reads and checks a result folder. path: the folder or its result.json. Throws Error when a file
+// is missing or damaged, sizes or channels differ, a value is NaN, a status is none, or the format
+// or version is another.
+[[nodiscard]] Result read_result(const std::filesystem::path& path);
+
+}  // namespace patina
