@@ -147,8 +147,9 @@ TEST_P(SphereLitFromInside, HasAUniformIndirectIrradiance) {
     const double expected = kAlbedo * mean_direct / (1 - kAlbedo);
     for (const std::uint32_t triangle : {100U, 6000U, 12000U}) {
         const SurfacePoint point = surface_point(scene.mesh, triangle, Vec2f(0.25F, 0.25F));
-        const Estimate mean = randomised_mean(
-            128, 128, 3, [&](SobolSampler& sampler) { return indirect(scene, point, sampler); });
+        const Estimate mean = randomised_mean(128, 128, triangle, [&](SobolSampler& sampler) {
+            return indirect(scene, point, sampler);
+        });
         EXPECT_TRUE(agrees(mean, expected, 6 * sagitta * expected)) << "triangle " << triangle;
     }
 }
