@@ -179,9 +179,8 @@ TEST(BrokenImage, TruncatedMask) {
     fixture.change({{R"("exposure": 1)", R"("exposure": 1, "mask": "mask.png")"}});
     const fs::path mask = fixture.folder() / "mask.png";
     fs::resize_file(mask, fs::file_size(mask) - 12);
-    EXPECT_EQ(fixture.error_line(),
-              "mask.png: shots[0].mask: is damaged or truncated: it has no end mark (expected a "
-              "complete image)");
+    EXPECT_THAT(fixture.error_line(),
+                ::testing::StartsWith("mask.png: shots[0].mask: is damaged or truncated"));
 }
 
 TEST(BrokenImage, MaskThatIsNotOf8Bits) {
@@ -236,6 +235,16 @@ TEST(BrokenMesh, WithOverlappingCharts) {
 TEST(BrokenMesh, WithIndicesOfNothing) {
     EXPECT_THAT(line_of_mesh(std::string(kCorners) + kUvs + "f 1/1 2/2 9/3\n"),
                 ::testing::StartsWith("quad.obj: geometry.mesh: "));
+}
+
+TEST(BrokenMesh, TooFewTexelsToUnwrap) {
+    CaptureFixture fixture;
+    fixture.write("quad.obj", std::string(kCorners) + "f 1 2 3\nf 1 3 4\n");
+    fixture.change({{R"("texels": [4, 4])", R"("texels": [2, 2], "unwrap": true)"}});
+    EXPECT_EQ(
+        fixture.error_line(),
+        "capture.json: geometry.texels: are too few to unwrap 2 triangles (expected at least 9 "
+        "texels for every 2 triangles, and some to spare)");
 }
 
 TEST(BrokenMesh, TooFewTexels) {

@@ -105,7 +105,14 @@ Mesh load_mesh(const CaptureDescription& description) {
         if (!source.unwrap) {
             place.fail("has no texture coordinates", "UVs, or \"unwrap\": true beside \"mesh\"");
         }
-        return unwrap(mesh, source.texel_width, source.texel_height);
+        const std::optional<Mesh> unwrapped = unwrap(mesh, source.texel_width, source.texel_height);
+        if (!unwrapped) {
+            throw Error(description.file.string(),
+                        "geometry.texels",
+                        fmt::format("are too few to unwrap {} triangles", mesh.triangles.size()),
+                        "at least 9 texels for every 2 triangles, and some to spare");
+        }
+        return *unwrapped;
     }
     check_uvs(mesh, place, source.texel_width, source.texel_height);
     return mesh;

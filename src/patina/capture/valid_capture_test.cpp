@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cstdint>
 #include <string>
+#include <vector>
 
 namespace patina {
 namespace {
@@ -18,6 +20,43 @@ constexpr const char* kPinhole =
     R"("model": "pinhole", "width": 4, "height": 3, "fx": 5, "fy": 5, "cx": 2, "cy": 1.5,)";
 constexpr const char* kPose =
     R"("world_from_camera": [1, 0, 0, 0, 0, -1, 0, 0, 0, 0, -1, 2, 0, 0, 0, 1])";
+
+// A baseline TIFF (revision 6.0): little endian, one strip of 16-bit grey, every pixel `value`.
+std::string grey_tiff(std::uint32_t width, std::uint32_t height, std::uint16_t value) {
+    std::string bytes;
+    const auto put = [&bytes](std::uint32_t number, int num_bytes) {
+        for (int i = 0; i < num_bytes; ++i) bytes += char(number >> (8 * i) & 0xff);
+    };
+    constexpr std::uint32_t kHeaderBytes = 8;
+    const std::uint32_t strip_bytes = 2 * width * height;
+    bytes = "II";
+    put(42, 2);
+    put(kHeaderBytes + strip_bytes, 4);
+    for (std::uint32_t i = 0; i < width * height; ++i) put(value, 2);
+    struct Entry {
+        std::uint32_t tag;
+        std::uint32_t type;  // 3: 16 bits, 4: 32 bits
+        std::uint32_t value;
+    };
+    const std::vector<Entry> entries = {{256, 4, width},         // ImageWidth
+                                        {257, 4, height},        // ImageLength
+                                        {258, 3, 16},            // BitsPerSample
+                                        {259, 3, 1},             // Compression: none
+                                        {262, 3, 1},             // Photometric: 0 is black
+                                        {273, 4, kHeaderBytes},  // StripOffsets
+                                        {277, 3, 1},             // SamplesPerPixel
+                                        {278, 4, height},        // RowsPerStrip
+                                        {279, 4, strip_bytes}};  // StripByteCounts
+    put(std::uint32_t(entries.size()), 2);
+    for (const Entry& entry : entries) {
+        put(entry.tag, 2);
+        put(entry.type, 2);
+        put(1, 4);
+        put(entry.value, 4);
+    }
+    put(0, 4);
+    return bytes;
+}
 
 CaptureDescription description_after(CaptureFixture& fixture, const Changes& changes) {
     fixture.change(changes);
@@ -169,6 +208,40 @@ TEST(ValidCapture, OfAPlyMesh) {
     write_ply(fixture.folder() / "quad.ply", load_capture(fixture.folder()).mesh);
     static_cast<void>(
         description_after(fixture, {{R"("mesh": "quad.obj")", R"("mesh": "quad.ply")"}}));
+}
+
+TEST(ValidCapture, OfAGltfMesh) {
+    CaptureFixture fixture;
+    // Positions, texture coordinates (v down) and indices of the same square.
+    fixture.write("quad.gltf",
+                  R"({
+        "asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0]}], "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [
+            {"attributes": {"POSITION": 0, "TEXCOORD_0": 1}, "indices": 2}]}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 4, "type": "VEC3",
+             "min": [-1, -1, 0], "max": [1, 1, 0]},
+            {"bufferView": 1, "componentType": 5126, "count": 4, "type": "VEC2"},
+            {"bufferView": 2, "componentType": 5123, "count": 6, "type": "SCALAR"}],
+        "bufferViews": [
+            {"buffer": 0, "byteOffset": 0, "byteLength": 48},
+            {"buffer": 0, "byteOffset": 48, "byteLength": 32},
+            {"buffer": 0, "byteOffset": 80, "byteLength": 12}],
+        "buffers": [{"byteLength": 92, "uri": "data:application/octet-stream;base64,)"
+                  "AACAvwAAgL8AAAAAAACAPwAAgL8AAAAAAACAPwAAgD8AAAAAAACAvwAAgD8AAAAAAAAA"
+                  "AAAAgD8AAIA/AACAPwAAgD8AAAAAAAAAAAAAAAAAAAEAAgAAAAIAAwA=\"}]}");
+    static_cast<void>(
+        description_after(fixture, {{R"("mesh": "quad.obj")", R"("mesh": "quad.gltf")"}}));
+    EXPECT_EQ(load_capture(fixture.folder()).atlas.texels.size(), 16U);
+}
+
+TEST(ValidCapture, OfTiffImages) {
+    CaptureFixture fixture;
+    fixture.write("image.tif", grey_tiff(4, 3, 0x4000));
+    static_cast<void>(
+        description_after(fixture, {{R"("image": "image.exr")", R"("image": "image.tif")"}}));
+    const RadianceImage image = load_radiance(read_capture_description(fixture.folder()), 0);
+    EXPECT_FLOAT_EQ(image.radiance.at(3, 2, 1), float(0x4000) / 65535.0F);
 }
 
 TEST(ValidCapture, OfAMeshWithoutUvsIsUnwrapped) {
