@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 namespace patina {
 namespace {
 
@@ -17,8 +19,8 @@ void read_mesh_source(const JsonField& field,
     if (texels.size() != 2) {
         field["texels"].fail(fmt::format("is a list of {}", texels.size()), expected);
     }
-    source.texel_width = texels[0].integer(1, kMaxImageSide);
-    source.texel_height = texels[1].integer(1, kMaxImageSide);
+    source.texel_width = texels[0].integer(1, kMaxTexelSide);
+    source.texel_height = texels[1].integer(1, kMaxTexelSide);
     if (field["unwrap"].present()) source.unwrap = field["unwrap"].boolean();
 }
 
@@ -30,6 +32,11 @@ void read_range_size(const JsonField& field,
     if (size.channels != 1) {
         field.fail(fmt::format("{} has {} channels", quote(source.range_file), size.channels),
                    "1 channel");
+    }
+    if (std::max(size.width, size.height) > kMaxTexelSide) {
+        field.fail(
+            fmt::format("{} has {} x {} pixels", quote(source.range_file), size.width, size.height),
+            fmt::format("at most {} to a side", kMaxTexelSide));
     }
     source.texel_width = size.width;
     source.texel_height = size.height;

@@ -9,8 +9,10 @@
 
 namespace patina {
 
-// Largest width or height of an image or a map [pixels].
+// Largest width or height of an image [pixels].
 inline constexpr int kMaxImageSide = 65536;
+// Largest width or height of the texel domain: texels are numbered in 32 bits [texels].
+inline constexpr int kMaxTexelSide = 32768;
 
 // The path that a field gives, checked: relative, with '/', inside the folder (symbolic links
 // followed), an existing file.
