@@ -1,0 +1,337 @@
+#include "patina/plan/greedy_cover.h"
+
+#include "patina/base/error.h"
+#include "patina/base/parallel.h"
+#include "patina/observe/camera_view.h"
+#include "patina/reflectance/lobe.h"
+#include "patina/transport/direct.h"
+
+#include <algorithm>
+#include <string>
+#include <utility>
+
+namespace patina {
+namespace {
+
+constexpr int kMaxNeed = 255;
+
+void require(bool condition,
+             const std::string& option,
+             const std::string& problem,
+             const std::string& expected) {
+    if (!condition) throw Error(option, "", problem, expected);
+}
+
+// Whether a light may be chosen: all but those that only held-out shots use.
+std::vector<std::uint8_t> may_be_chosen(const CaptureDescription& description) {
+    std::vector<std::uint8_t> used(description.lights.size(), 0);
+    std::vector<std::uint8_t> heldout(description.lights.size(), 0);
+    for (const Shot& shot : description.shots) {
+        for (const std::size_t light : shot.lights) (shot.heldout ? heldout : used)[light] = 1;
+    }
+    for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] != 0 || heldout[i] == 0;
+    return used;
+}
+
+bool may_go_together(const Camera& camera, const Light& light) {
+    return light.frame == FrameOfReference::world || camera.frame == FrameOfReference::scanner;
+}
+
+// What one look at one texel shows; bits. theta_r: between the mirror direction and the view.
+std::uint8_t look_shows(const CoverOptions& options,
+                        const Vec3& normal,
+                        const DirectLight& direct,
+                        const TexelView& view) {
+    if (direct.state != ShadowState::lit || view.state != ViewState::clear) return 0;
+    if (direct.cos_i <= std::cos(options.max_light_angle)) return 0;
+    if (view.cos_v <= std::cos(options.max_view_angle)) return 0;
+    const double theta_r =
+        std::sqrt(mirror_angle_squared(normal, direct.w_i.cast<double>(), view.w_v.cast<double>()));
+    if (theta_r < options.specular_reach * options.roughness) return kShowsSpecular;
+    return theta_r > options.diffuse_reach * options.roughness ? kShowsDiffuse : 0;
+}
+
+using Views = std::vector<std::vector<TexelView>>;  // per camera, per texel
+
+Views view_from_all(const Capture& capture, const Tracer& tracer, Progress& progress) {
+    Views views;
+    for (const Camera& camera : capture.description.cameras) {
+        views.push_back(view_texels(capture.mesh, tracer, capture.atlas, camera));
+        progress.advance(1);
+    }
+    return views;
+}
+
+std::size_t count_seen(const Views& views, std::size_t num_texels) {
+    return ordered_reduce<std::size_t>(num_texels, 0, [&](std::size_t i) {
+        return std::size_t(std::any_of(views.begin(), views.end(), [i](const auto& view) {
+            return view[i].state != ViewState::hidden;
+        }));
+    });
+}
+
+// What one lamp shows of each texel through any of the cameras; bits.
+std::vector<std::uint8_t> lamp_shows(const Capture& capture,
+                                     const Tracer& tracer,
+                                     const Views& views,
+                                     const Light& light,
+                                     const CoverOptions& options) {
+    const std::vector<Texel>& texels = capture.atlas.texels;
+    const std::vector<DirectLight> direct =
+        direct_light({&capture.mesh, &tracer}, capture.atlas, light);
+    std::vector<std::uint8_t> shows(texels.size(), 0);
+    for (std::size_t camera = 0; camera < views.size(); ++camera) {
+        if (!may_go_together(capture.description.cameras[camera], light)) continue;
+        parallel_for(texels.size(), [&](std::size_t i) {
+            shows[i] |= look_shows(options, texels[i].point.normal, direct[i], views[camera][i]);
+        });
+    }
+    return shows;
+}
+
+bool is_taken(const CoverOptions& options, std::size_t light) {
+    return std::find(options.taken.begin(), options.taken.end(), light) != options.taken.end();
+}
+
+// Counts how many of the lamps added so far show each texel, up to the number needed.
+class Cover {
+  public:
+    // components: the bits that count.
+    Cover(const Measurability& measurability, const CoverOptions& options, std::uint8_t components)
+        : measurability_(&measurability) {
+        if ((components & kShowsDiffuse) != 0)
+            parts_.push_back({kShowsDiffuse, options.diffuse_need});
+        if ((components & kShowsSpecular) != 0) {
+            parts_.push_back({kShowsSpecular, options.specular_need});
+        }
+        for (Part& part : parts_) part.counts.assign(num_texels(), 0);
+    }
+
+    void add(std::size_t light) {
+        const std::vector<std::uint8_t>& shows = measurability_->shows[light];
+        for (Part& part : parts_) {
+            for (std::size_t i = 0; i < shows.size(); ++i) {
+                if ((shows[i] & part.bit) == 0 || part.counts[i] >= part.need) continue;
+                ++part.counts[i];
+                ++part.sum;
+                if (part.counts[i] == part.need) ++part.num_measurable;
+            }
+        }
+    }
+
+    [[nodiscard]] std::uint64_t gain(std::size_t light) const {
+        const std::vector<std::uint8_t>& shows = measurability_->shows[light];
+        std::uint64_t gain = 0;
+        for (const Part& part : parts_) {
+            for (std::size_t i = 0; i < shows.size(); ++i) {
+                gain += std::uint64_t((shows[i] & part.bit) != 0 && part.counts[i] < part.need);
+            }
+        }
+        return gain;
+    }
+
+    [[nodiscard]] std::uint64_t sum() const {
+        std::uint64_t sum = 0;
+        for (const Part& part : parts_) sum += part.sum;
+        return sum;
+    }
+
+    [[nodiscard]] MeasurableShare share() const {
+        MeasurableShare share;
+        for (const Part& part : parts_) {
+            const double value = double(part.num_measurable) / double(measurability_->num_seen);
+            (part.bit == kShowsDiffuse ? share.diffuse : share.specular) = value;
+        }
+        return share;
+    }
+
+    // Whether every component is measurable at `enough` of the texels at which `all` makes it so.
+    [[nodiscard]] bool reaches(double enough, const Cover& all) const {
+        for (std::size_t k = 0; k < parts_.size(); ++k) {
+            if (double(parts_[k].num_measurable) < enough * double(all.parts_[k].num_measurable)) {
+                return false;
+            }
+        }
+        return true;
+    }
+
+  private:
+    struct Part {
+        std::uint8_t bit = 0;
+        int need = 1;
+        std::vector<std::uint8_t> counts = {};  // per texel, at most need
+        std::uint64_t sum = 0;                  // of counts
+        std::size_t num_measurable = 0;         // texels with counts == need
+    };
+
+    [[nodiscard]] std::size_t num_texels() const {
+        std::size_t count = 0;
+        for (const auto& shows : measurability_->shows) count = std::max(count, shows.size());
+        return count;
+    }
+
+    const Measurability* measurability_;
+    std::vector<Part> parts_;
+};
+
+struct Pick {
+    std::size_t light = 0;
+    std::uint64_t gain = 0;
+};
+
+// The candidate with the largest gain, ties to the lower index.
+Pick best_pick(const Cover& cover, const std::vector<std::size_t>& candidates) {
+    std::vector<std::uint64_t> gains(candidates.size());
+    parallel_for(
+        candidates.size(), [&](std::size_t k) { gains[k] = cover.gain(candidates[k]); }, 1);
+    const auto best = std::max_element(gains.begin(), gains.end());
+    return {candidates[std::size_t(best - gains.begin())], *best};
+}
+
+struct Choice {
+    std::vector<std::size_t> chosen;
+    std::vector<MeasurableShare> shares;  // after each
+    std::optional<NextLamp> next;
+    CoverStop stop = CoverStop::no_candidates;
+};
+
+// cover: with the lights taken already. candidates: ascending. all: what can be reached.
+Choice choose_from(std::vector<std::size_t> candidates,
+                   Cover cover,
+                   const Cover& all,
+                   const Measurability& measurability,
+                   const CoverOptions& options) {
+    Choice choice;
+    const double min_gain = options.min_gain * double(measurability.num_seen);
+    while (!candidates.empty()) {
+        const Pick pick = best_pick(cover, candidates);
+        const bool enough = cover.reaches(options.enough, all);
+        Cover with = cover;
+        with.add(pick.light);
+        if (enough || pick.gain == 0 || double(pick.gain) < min_gain) {
+            choice.stop = enough ? CoverStop::enough : CoverStop::small_gain;
+            choice.next = NextLamp{pick.light, with.share()};
+            return choice;
+        }
+        cover = std::move(with);
+        choice.chosen.push_back(pick.light);
+        choice.shares.push_back(cover.share());
+        std::erase(candidates, pick.light);
+    }
+    if (cover.reaches(options.enough, all)) choice.stop = CoverStop::enough;
+    return choice;
+}
+
+}  // namespace
+
+void validate(const CoverOptions& options, std::size_t num_lights) {
+    const auto is_angle = [](double angle) { return angle > 0 && angle <= kPi / 2; };
+    require(
+        is_angle(options.max_light_angle), "--max-light-angle", "is out of range", "in (0, 90]");
+    require(is_angle(options.max_view_angle), "--max-view-angle", "is out of range", "in (0, 90]");
+    require(options.roughness > 0, "--roughness", "is not positive", "radians > 0");
+    require(options.specular_reach > 0, "--specular-reach", "is not positive", "> 0");
+    require(options.diffuse_reach >= options.specular_reach,
+            "--diffuse-reach",
+            "is below --specular-reach",
+            "at least as large");
+    for (const auto& [name, need] : {std::pair{"--specular-need", options.specular_need},
+                                     std::pair{"--diffuse-need", options.diffuse_need}}) {
+        require(need >= 1 && need <= kMaxNeed, name, "is out of range", "1 to 255");
+    }
+    require(options.min_gain >= 0, "--min-gain", "is negative", ">= 0");
+    require(options.enough > 0 && options.enough <= 1, "--enough", "is out of range", "in (0, 1]");
+    for (const std::size_t light : options.taken) {
+        require(light < num_lights, "--taken", "names no light", "a light of the capture");
+        require(std::count(options.taken.begin(), options.taken.end(), light) == 1,
+                "--taken",
+                "names a light twice",
+                "each once");
+    }
+}
+
+Measurability measure_candidates(const Capture& capture,
+                                 const CoverOptions& options,
+                                 Progress& progress) {
+    const CaptureDescription& description = capture.description;
+    const std::size_t num_lights = description.lights.size();
+    validate(options, num_lights);
+    const std::vector<std::uint8_t> eligible = may_be_chosen(description);
+    Measurability result;
+    for (std::size_t light = 0; light < num_lights; ++light) {
+        if (eligible[light] != 0 && !is_taken(options, light)) result.candidates.push_back(light);
+    }
+    if (result.candidates.empty()) {
+        throw Error(description.file.string(), "lights", "hold no candidate", "at least one");
+    }
+
+    progress.begin_stage("views and lamps", description.cameras.size() + num_lights, "views");
+    const Tracer tracer(capture.mesh);
+    const Views views = view_from_all(capture, tracer, progress);
+    result.num_seen = count_seen(views, capture.atlas.texels.size());
+    if (result.num_seen == 0) {
+        throw Error(description.file.string(), "cameras", "see no texel", "a view of the surface");
+    }
+    result.shows.resize(num_lights);
+    for (std::size_t light = 0; light < num_lights; ++light) {
+        if (eligible[light] != 0 || is_taken(options, light)) {
+            result.shows[light] =
+                lamp_shows(capture, tracer, views, description.lights[light], options);
+        }
+        progress.advance(1);
+    }
+    progress.end_stage(std::to_string(result.candidates.size()) + " candidates, " +
+                       std::to_string(result.num_seen) + " texels seen");
+    return result;
+}
+
+std::uint64_t coverage(const Measurability& measurability,
+                       std::span<const std::size_t> lights,
+                       const CoverOptions& options) {
+    Cover cover(measurability, options, kShowsDiffuse | kShowsSpecular);
+    for (const std::size_t light : lights) cover.add(light);
+    return cover.sum();
+}
+
+LightPlan choose_lights(const Measurability& measurability, const CoverOptions& options) {
+    const auto cover_of = [&](std::uint8_t components, const std::vector<std::size_t>& more) {
+        Cover cover(measurability, options, components);
+        for (const std::size_t light : options.taken) cover.add(light);
+        for (const std::size_t light : more) cover.add(light);
+        return cover;
+    };
+    const auto choose = [&](std::uint8_t components, std::vector<std::size_t> candidates) {
+        return choose_from(std::move(candidates),
+                           cover_of(components, {}),
+                           cover_of(components, measurability.candidates),
+                           measurability,
+                           options);
+    };
+    constexpr std::uint8_t kBoth = kShowsDiffuse | kShowsSpecular;
+    Choice both = choose(kBoth, measurability.candidates);
+    std::vector<std::size_t> chosen_ascending = both.chosen;
+    std::sort(chosen_ascending.begin(), chosen_ascending.end());
+
+    LightPlan plan;
+    plan.candidates = measurability.candidates;
+    plan.chosen_for_diffuse = choose(kShowsDiffuse, std::move(chosen_ascending)).chosen;
+    plan.share_before = cover_of(kBoth, {}).share();
+    plan.share_with_all = cover_of(kBoth, measurability.candidates).share();
+    plan.chosen = std::move(both.chosen);
+    plan.shares = std::move(both.shares);
+    plan.next = both.next;
+    plan.num_seen = measurability.num_seen;
+    plan.stop = both.stop;
+    return plan;
+}
+
+LightPlan plan_lights(const Capture& capture, const CoverOptions& options, Progress& progress) {
+    const Measurability measurability = measure_candidates(capture, options, progress);
+    progress.begin_stage("greedy cover");
+    LightPlan plan = choose_lights(measurability, options);
+    progress.end_stage(std::to_string(plan.chosen.size()) + " lamps chosen, " +
+                       std::to_string(plan.chosen_for_diffuse.size()) + " for the diffuse part");
+    return plan;
+}
+
+}  // namespace patina
