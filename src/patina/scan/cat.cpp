@@ -10,6 +10,9 @@ namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
 
+constexpr double kTailHeight = 0.65;  // of its middle line [cm]
+constexpr double kTailRadius = 1.15;  // at its root [cm]
+
 // Where shape and markings must agree [cm].
 const Vec3 kNose(0, 14.05, 4.55);
 const Vec3 kNoseRadii(0.5, 0.35, 0.35);
@@ -19,31 +22,40 @@ Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 
 // All shapes below are in centimetres; q is p with x made positive, so one half stands for both.
 double body(const Vec3& p, const Vec3& q) {
-    double d = rounded_cone_distance(p, {0, 4.4, -0.9}, {0, 10.4, 0.7}, 4.4, 2.35);
+    double d = rounded_cone_distance(p, {0, 3.7, -0.9}, {0, 10.4, 0.7}, 4.4, 2.35);
     const double chest = ellipsoid_distance(p, {0, 8.3, 1.7}, {2.75, 3.0, 2.3});
     d = smooth_union(d, chest, 1.2);
-    const double haunch = ellipsoid_distance(q, {3.4, 3.3, -0.2}, {1.9, 3.2, 3.3});
+    const double haunch = ellipsoid_distance(q, {3.4, 3.0, -0.2}, {1.9, 3.5, 3.3});
     return smooth_union(d, haunch, 0.5);
 }
 
 double legs(const Vec3& q) {
     const double front = rounded_cone_distance(q, {1.55, 7.5, 3.0}, {1.6, 1.3, 3.9}, 1.25, 1.15);
-    const double front_paw = ellipsoid_distance(q, {1.65, 0.85, 4.5}, {1.35, 0.95, 1.65});
-    const double hind_paw = ellipsoid_distance(q, {3.9, 0.8, 2.9}, {1.25, 0.9, 1.9});
+    const double front_paw = ellipsoid_distance(q, {1.65, 0.4, 4.5}, {1.35, 1.35, 1.65});
+    const double hind_paw = ellipsoid_distance(q, {3.9, 0.35, 2.9}, {1.25, 1.3, 1.9});
     return std::min(smooth_union(front, front_paw, 0.5), hind_paw);
 }
 
-double tail(const Vec3& p) {
-    static constexpr int kNumPoints = 17;
-    std::array<ChainPoint, kNumPoints> points;
-    for (int i = 0; i < kNumPoints; ++i) {
-        const double t = double(i) / (kNumPoints - 1);
+using TailPoints = std::array<ChainPoint, 17>;
+
+TailPoints make_tail() {
+    TailPoints points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double t = double(i) / double(points.size() - 1);
         const double azimuth = radians(185.0 - 140.0 * t);
-        const double distance = 5.3 + 0.6 * std::sin(kPi * t);
-        points[std::size_t(i)] = {
-            {distance * std::sin(azimuth), 1.15, distance * std::cos(azimuth)}, 1.15 - 0.3 * t};
+        const double distance = 5.2 + 0.55 * std::sin(kPi * t);
+        const Vec3 position(
+            distance * std::sin(azimuth), kTailHeight, distance * std::cos(azimuth));
+        points[i] = {position, kTailRadius - 0.3 * t};
     }
-    return chain_distance(p, points);
+    return points;
+}
+
+double tail(const Vec3& p) {
+    static const TailPoints points = make_tail();
+    // High above it, the distance to its highest plane is bound enough, and quicker.
+    const double above = p.y() - (kTailHeight + kTailRadius);
+    return above > 1.0 ? above : chain_distance(p, points);
 }
 
 double ears(const Vec3& q) {
@@ -92,8 +104,8 @@ double white_parts(const Vec3& p, const Vec3& q) {
     const double wobble = 0.35 * smooth_noise(p, 1.2, 13);
     const double bib = ellipsoid_distance(p, {0, 8.2, 4.6}, {1.9, 3.6, 2.6});
     const double muzzle = ellipsoid_distance(q, {0.5, 13.1, 3.9}, {1.5, 1.2, 1.6});
-    const double feet = p.y() - 1.7;
-    const double tail_tip = sphere_distance(p, {3.8, 1.1, 3.8}, 1.6);
+    const double feet = std::max(p.y() - 1.7, 1.2 - p.z());
+    const double tail_tip = sphere_distance(p, {3.8, 0.6, 3.8}, 1.6);
     const double distance = std::min({bib, muzzle, feet, tail_tip}) + wobble;
     return 1 - smooth_step(-0.2, 0.2, distance);
 }

@@ -10,6 +10,8 @@ namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
 
+constexpr double kTailFront = -8.7;  // where the tail begins [cm]
+
 // Where shape and markings must agree [cm].
 const Vec3 kEye(1.68, 9.95, 5.05);
 
@@ -20,13 +22,13 @@ Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 // crease is seen.
 double trunk(const Vec3& p) {
     const double barrel = ellipsoid_distance(p, {0, 6.9, -3.4}, {5.6, 5.3, 6.3});
-    const double belly = ellipsoid_distance(p, {0, 3.7, -2.6}, {4.6, 3.6, 5.4});
+    const double belly = ellipsoid_distance(p, {0, 3.2, -2.6}, {4.6, 3.4, 5.4});
     return smooth_union(barrel, belly, 1.0);
 }
 
 double legs(const Vec3& q) {
-    const double front = rounded_cone_distance(q, {2.9, 3.6, 1.1}, {3.0, 1.3, 1.5}, 1.75, 1.4);
-    const double hind = rounded_cone_distance(q, {3.2, 3.6, -6.3}, {3.3, 1.3, -6.8}, 1.9, 1.45);
+    const double front = rounded_cone_distance(q, {2.9, 3.6, 1.1}, {3.0, 0.8, 1.5}, 1.75, 1.45);
+    const double hind = rounded_cone_distance(q, {3.2, 3.6, -6.3}, {3.3, 0.8, -6.8}, 1.9, 1.5);
     return std::min(front, hind);
 }
 
@@ -58,17 +60,25 @@ double head(const Vec3& p, const Vec3& q) {
     return smooth_union(d, eye, 0.1);
 }
 
-double tail(const Vec3& p) {
-    static constexpr int kNumPoints = 17;
-    std::array<ChainPoint, kNumPoints> points;
-    for (int i = 0; i < kNumPoints; ++i) {
-        const double t = double(i) / (kNumPoints - 1);
+using TailPoints = std::array<ChainPoint, 17>;
+
+TailPoints make_tail() {
+    TailPoints points;
+    for (std::size_t i = 0; i < points.size(); ++i) {
+        const double t = double(i) / double(points.size() - 1);
         const double turn = 2 * kPi * (0.25 + 1.05 * t);
-        points[std::size_t(i)] = {
-            {0.95 * std::cos(turn), 8.3 + 0.95 * std::sin(turn) - 0.3 * t, -9.2 - 0.6 * t},
-            0.5 - 0.15 * t};
+        const Vec3 position(
+            0.95 * std::cos(turn), 8.3 + 0.95 * std::sin(turn) - 0.3 * t, -9.2 - 0.6 * t);
+        points[i] = {position, 0.5 - 0.15 * t};
     }
-    return chain_distance(p, points);
+    return points;
+}
+
+double tail(const Vec3& p) {
+    static const TailPoints points = make_tail();
+    // Far in front of it, the distance to its foremost plane is bound enough, and quicker.
+    const double before = p.z() - kTailFront;
+    return before > 1.0 ? before : chain_distance(p, points);
 }
 
 double pig_distance(const Vec3& p) {

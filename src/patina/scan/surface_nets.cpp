@@ -17,6 +17,8 @@ namespace {
 constexpr int kBlock = 8;
 // Newton steps per vertex; each squares the remaining distance relative to the curvature's radius.
 constexpr int kNewtonSteps = 4;
+// A vertex this close to the surface, in cells, is on it: below the rounding of single precision.
+constexpr double kOnSurface = 1e-5;
 // Step of the gradient's central differences, in cells.
 constexpr double kGradientStep = 0.05;
 
@@ -234,10 +236,12 @@ void project_vertices(const SignedDistance& distance, double cell, Mesh& mesh) {
         const Vec3 start = mesh.positions[i].cast<double>();
         Vec3 p = start;
         for (int k = 0; k < kNewtonSteps; ++k) {
+            const double value = distance(p);
+            if (std::abs(value) < kOnSurface * cell) break;
             const Vec3 gradient = distance_gradient(distance, p, step);
             const double length_squared = gradient.squaredNorm();
             if (length_squared == 0) break;
-            const Vec3 moved = p - distance(p) / length_squared * gradient;
+            const Vec3 moved = p - value / length_squared * gradient;
             if ((moved - start).norm() > cell) break;
             p = moved;
         }
