@@ -16,6 +16,7 @@ enum class Pass : std::uint32_t {
     sensor_noise = 3,
     objects = 4,
     calibration_error = 5,
+    rendered_shots = 6,
     tests = 100,
 };
 

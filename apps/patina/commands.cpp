@@ -1,0 +1,148 @@
+#include "commands.h"
+
+#include "patina/base/parallel.h"
+#include "patina/base/progress.h"
+#include "patina/pipeline/compare_result.h"
+#include "patina/pipeline/estimate_capture.h"
+
+#include <fmt/format.h>
+
+#include <cstdio>
+
+namespace patina {
+namespace {
+
+namespace fs = std::filesystem;
+
+OptionTable common_option_table(CommonOptions& common) {
+    return {
+        integer_option("seed", common.seed, at_least(0), "seed of all random numbers"),
+        integer_option(
+            "threads", common.threads, between(0, 1024), "threads to use; 0: all of the machine"),
+        flag_option("quiet", common.quiet, "no progress on standard error"),
+        flag_option("json", common.json, "print one JSON object on standard output"),
+    };
+}
+
+// What every verb needs while it runs.
+class Session {
+  public:
+    explicit Session(const CommonOptions& common)
+        : threads_(common.threads), progress(Progress::detect(common.quiet)), json_(common.json) {}
+
+    void print(const std::string& text, const Json& json) const {
+        std::fputs(json_ ? to_text(json).c_str() : text.c_str(), stdout);
+    }
+
+  private:
+    ThreadLimit threads_;
+
+  public:
+    Progress progress;
+
+  private:
+    bool json_;
+};
+
+// A command whose state holds `common` and whatever the options point into.
+template <typename State>
+Command make_command(const std::string& name,
+                     const std::string& summary,
+                     const std::string& example,
+                     const std::function<OptionTable(State&)>& table,
+                     const std::function<void(const State&, Session&)>& work) {
+    const auto state = std::make_shared<State>();
+    Command command;
+    command.name = name;
+    command.summary = summary;
+    command.example = example;
+    command.options = table(*state);
+    for (Option& option : common_option_table(state->common)) {
+        command.options.push_back(std::move(option));
+    }
+    command.run = [state, work]() {
+        Session session(state->common);
+        work(*state, session);
+    };
+    command.state = state;
+    return command;
+}
+
+OptionTable joined(OptionTable first, OptionTable second) {
+    for (Option& option : second) first.push_back(std::move(option));
+    return first;
+}
+
+Option output_option(const std::string& value_name, fs::path& field, const std::string& help) {
+    return with_letter(required(path_option("output", value_name, field, help)), "o");
+}
+
+Command estimate_command() {
+    struct State {
+        CommonOptions common;
+        fs::path capture;
+        fs::path result;
+        EstimateOptions options;
+    };
+    return make_command<State>(
+        "estimate",
+        "Estimate diffuse, specular and roughness maps, bounced light taken out",
+        "patina estimate captures/vase -o results/vase",
+        [](State& state) {
+            return joined({positional("CAPTURE", state.capture, "the capture's folder"),
+                           output_option("RESULT", state.result, "the folder to write")},
+                          estimate_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            EstimateOptions options = state.options;
+            options.photons.seed = state.common.seed;
+            const Json result =
+                estimate_capture(state.capture, state.result, options, session.progress);
+            session.print(estimate_text(result), result);
+        });
+}
+
+Command compare_command() {
+    struct State {
+        CommonOptions common;
+        fs::path capture;
+        fs::path result;
+        CompareOptions options;
+    };
+    return make_command<State>(
+        "compare",
+        "Compare maps with the images, the held-out shots and, where present, the truth",
+        "patina compare captures/vase results/vase --json",
+        [](State& state) {
+            return joined({positional("CAPTURE", state.capture, "the capture's folder"),
+                           positional("RESULT", state.result, "the result's folder")},
+                          compare_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            CompareOptions options = state.options;
+            options.render.seed = state.common.seed;
+            const Comparison comparison =
+                compare_result(state.capture, state.result, options, session.progress);
+            session.print(comparison_text(comparison), comparison_json(comparison));
+        });
+}
+
+}  // namespace
+
+std::vector<Command> all_commands() { return {estimate_command(), compare_command()}; }
+
+std::vector<std::string> later_commands() { return {"export", "view", "import"}; }
+
+std::string commands_markdown() {
+    std::string text;
+    for (const Command& command : all_commands()) {
+        text += fmt::format("\n### `patina {}`\n\n{}.\n\n```sh\n{}\n```\n\n{}",
+                            command.name,
+                            command.summary,
+                            command.example,
+                            options_markdown(command.options));
+    }
+    return text;
+}
+
+}  // namespace patina

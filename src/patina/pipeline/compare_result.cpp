@@ -1,0 +1,198 @@
+#include "patina/pipeline/compare_result.h"
+
+#include "patina/base/output_file.h"
+#include "patina/math/statistics.h"
+#include "patina/pipeline/pictures.h"
+#include "patina/pipeline/truth_comparison.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+namespace patina {
+namespace {
+
+namespace fs = std::filesystem;
+
+// Sums over pixels and channels, in radiance: levels follow once white is known.
+struct DifferenceSums {
+    double count = 0;
+    double absolute = 0;  // of |synthetic - real|
+    double squared = 0;   // of (synthetic - real)^2
+    double image = 0;     // of real^2
+    std::size_t num_pixels = 0;
+
+    DifferenceSums& operator+=(const DifferenceSums& other) {
+        count += other.count;
+        absolute += other.absolute;
+        squared += other.squared;
+        image += other.image;
+        num_pixels += other.num_pixels;
+        return *this;
+    }
+
+    [[nodiscard]] std::optional<ImageComparison> result(double white) const {
+        if (num_pixels == 0) return std::nullopt;
+        const double levels = kMaxLevel / white;
+        const double mean = absolute / count;
+        ImageComparison comparison;
+        comparison.levels_mean = levels * mean;
+        comparison.levels_variance = square(levels) * std::max(0.0, squared / count - square(mean));
+        comparison.relative_rmse = image > 0 ? std::sqrt(squared / image) : 0;
+        comparison.num_pixels = num_pixels;
+        return comparison;
+    }
+};
+
+// One shot, rendered and real, and which of its pixels count.
+struct ShotPair {
+    Image real;
+    Image synthetic;
+    std::vector<std::uint8_t> counts;
+};
+
+bool is_measured(std::uint8_t status) {
+    const auto texel = TexelStatus(status);
+    return texel == TexelStatus::measured || texel == TexelStatus::diffuse_measured;
+}
+
+ShotPair make_pair(const Capture& capture,
+                   const ShotRenderer& renderer,
+                   std::size_t shot,
+                   const CompareOptions& options,
+                   Progress& progress) {
+    RenderedShot rendered = renderer.render(shot, options.render, progress);
+    RadianceImage image = load_radiance(capture.description, shot);
+    ShotPair pair{std::move(image.radiance), std::move(rendered.radiance), image.usable};
+    for (std::size_t i = 0; i < pair.counts.size(); ++i) {
+        if (!is_measured(rendered.status[i])) pair.counts[i] = 0;
+    }
+    return pair;
+}
+
+// Calls use(real, synthetic) for every channel of every pixel that counts, in order.
+template <typename Use>
+void for_each_value(const ShotPair& pair, const Use& use) {
+    for (std::size_t i = 0; i < pair.counts.size(); ++i) {
+        if (pair.counts[i] == 0) continue;
+        for (std::size_t channel = 3 * i; channel < 3 * i + 3; ++channel) {
+            use(double(pair.real.data[channel]), double(pair.synthetic.data[channel]));
+        }
+    }
+}
+
+DifferenceSums difference_of(const ShotPair& pair) {
+    DifferenceSums sums;
+    for_each_value(pair, [&](double real, double synthetic) {
+        sums.count += 1;
+        sums.absolute += std::abs(synthetic - real);
+        sums.squared += square(synthetic - real);
+        sums.image += square(real);
+    });
+    for (const std::uint8_t counts : pair.counts) sums.num_pixels += counts != 0 ? 1 : 0;
+    return sums;
+}
+
+// Radiance of level 255 such that `values` have their 99th percentile at level 230.
+double default_white(std::vector<double> values) {
+    if (values.empty()) return 1;
+    const double bright = quantile(std::move(values), kWhiteShare);
+    return bright > 0 ? bright * kMaxLevel / kWhiteLevel : 1;
+}
+
+void write_pictures(const fs::path& folder,
+                    const std::string& name,
+                    const ShotPair& pair,
+                    double white) {
+    write_png(folder / (name + "_real.png"), display_picture(pair.real, white));
+    write_png(folder / (name + "_synthetic.png"), display_picture(pair.synthetic, white));
+    write_png(folder / (name + "_difference.png"),
+              difference_picture(pair.real, pair.synthetic, pair.counts, white));
+}
+
+}  // namespace
+
+OptionTable compare_option_table(CompareOptions& options) {
+    return {
+        integer_option("samples",
+                       options.render.samples_per_pixel,
+                       between(1, 1 << 20),
+                       "paths for each pixel of the synthetic images"),
+        number_option("white",
+                      options.white,
+                      above(0),
+                      "",
+                      "99th percentile of the used images is level 230",
+                      "radiance of level 255"),
+        with_letter(path_option("output",
+                                "DIR",
+                                options.pictures,
+                                "write real, synthetic and difference pictures there"),
+                    "o"),
+    };
+}
+
+Comparison compare_maps(const Capture& capture,
+                        const ReflectanceMaps& maps,
+                        const std::string& result_place,
+                        const CompareOptions& options,
+                        Progress& progress) {
+    const ShotRenderer renderer(capture, maps, result_place);
+    const std::vector<Shot>& shots = capture.description.shots;
+    std::uint64_t num_paths = 0;
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+        num_paths += renderer.num_paths(i, options.render);
+    }
+    progress.begin_stage("render shots", num_paths, "paths");
+    std::optional<OutputFolder> folder;
+    if (!options.pictures.empty()) folder.emplace(options.pictures, "-o");
+    std::vector<DifferenceSums> sums(shots.size());
+    std::vector<ShotPair> pairs;
+    std::vector<double> used_values;
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+        ShotPair pair = make_pair(capture, renderer, i, options, progress);
+        sums[i] = difference_of(pair);
+        if (!shots[i].heldout) {
+            for_each_value(pair, [&](double real, double) { used_values.push_back(real); });
+        }
+        if (folder) pairs.push_back(std::move(pair));
+    }
+    progress.end_stage(fmt::format("{} shots", shots.size()));
+
+    Comparison comparison;
+    comparison.name = capture.description.name;
+    comparison.white = options.white ? *options.white : default_white(std::move(used_values));
+    DifferenceSums used;
+    DifferenceSums heldout;
+    for (std::size_t i = 0; i < shots.size(); ++i) {
+        (shots[i].heldout ? heldout : used) += sums[i];
+        comparison.per_shot.push_back(
+            {i,
+             shots[i].image,
+             shots[i].heldout,
+             sums[i].result(comparison.white).value_or(ImageComparison{})});
+        if (folder) {
+            write_pictures(folder->path(), fmt::format("shot{:03}", i), pairs[i], comparison.white);
+        }
+    }
+    comparison.shots = used.result(comparison.white);
+    comparison.heldout = heldout.result(comparison.white);
+    if (capture.description.truth) {
+        comparison.truth = compare_with_truth(maps, load_truth(capture.description));
+    }
+    if (folder) folder->commit();
+    return comparison;
+}
+
+Comparison compare_result(const fs::path& capture_path,
+                          const fs::path& result_path,
+                          const CompareOptions& options,
+                          Progress& progress) {
+    progress.begin_stage("read capture and result");
+    const Capture capture = load_capture(capture_path);
+    const Result result = read_result(result_path);
+    progress.end_stage();
+    return compare_maps(capture, result.maps, result_path.string(), options, progress);
+}
+
+}  // namespace patina

@@ -1,0 +1,86 @@
+// `patina compare`: how well maps explain the photographs, the held-out ones too, and how far they
+// are from the truth where it is known.
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/capture/capture.h"
+#include "patina/capture/json.h"
+#include "patina/capture/result_folder.h"
+#include "patina/pipeline/options.h"
+#include "patina/pipeline/shot_renderer.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace patina {
+
+// By default the 99th percentile of the used images is level 230 of 255.
+inline constexpr double kWhiteShare = 0.99;
+inline constexpr double kWhiteLevel = 230;
+inline constexpr double kMaxLevel = 255;
+
+struct CompareOptions {
+    ShotRenderOptions render;
+    std::optional<double> white;     // radiance of level 255 [radiance]; nothing: as said above
+    std::filesystem::path pictures;  // folder for real, synthetic and difference; empty: none
+};
+[[nodiscard]] OptionTable compare_option_table(CompareOptions& options);
+
+// Synthetic against real over pixels of status 1 and 2 and their channels.
+struct ImageComparison {
+    double levels_mean = 0;      // of |difference| [8-bit levels]
+    double levels_variance = 0;  // of |difference| [8-bit levels^2]
+    double relative_rmse = 0;    // root of summed squared differences over summed squared image [-]
+    std::size_t num_pixels = 0;
+};
+
+// A map against the truth.
+struct MapComparison {
+    double mean_relative_error = 0;             // mean(estimate - truth) / mean(truth) [-]
+    double median_absolute_relative_error = 0;  // of |estimate - truth| / truth where truth > 0 [-]
+    double rmse = 0;                            // [-]; of roughness [rad]
+    double coverage68 = 0;                      // share of truth inside the interval [-]
+    double coverage95 = 0;
+    std::size_t num_texels = 0;
+};
+
+struct ShotComparison {
+    std::size_t shot = 0;
+    std::string image;
+    bool heldout = false;
+    ImageComparison difference;
+};
+
+struct Comparison {
+    std::string name;  // of the capture
+    double white = 0;  // radiance of level 255 [radiance]
+    std::vector<ShotComparison> per_shot;
+    std::optional<ImageComparison> shots;  // the used ones; nothing where no pixel counts
+    std::optional<ImageComparison> heldout;
+    struct Truth {
+        std::optional<MapComparison> diffuse;    // over texels of status 1 and 2, three channels
+        std::optional<MapComparison> specular;   // over texels of status 1
+        std::optional<MapComparison> roughness;  // over texels of status 1
+    };
+    std::optional<Truth> truth;
+};
+
+// Throws Error, WorkFailed, Interrupted.
+[[nodiscard]] Comparison compare_result(const std::filesystem::path& capture_path,
+                                        const std::filesystem::path& result_path,
+                                        const CompareOptions& options,
+                                        Progress& progress);
+// The same for what is in memory. result_place: for errors.
+[[nodiscard]] Comparison compare_maps(const Capture& capture,
+                                      const ReflectanceMaps& maps,
+                                      const std::string& result_place,
+                                      const CompareOptions& options,
+                                      Progress& progress);
+
+// With the names of docs/capture.md.
+[[nodiscard]] Json comparison_json(const Comparison& comparison);
+[[nodiscard]] std::string comparison_text(const Comparison& comparison);
+
+}  // namespace patina

@@ -1,0 +1,106 @@
+#include "patina/pipeline/compare_result.h"
+#include "patina/pipeline/text_table.h"
+
+#include <fmt/format.h>
+
+namespace patina {
+namespace {
+
+Json image_json(const ImageComparison& comparison) {
+    Json json = Json::object();
+    json.set("levels_mean", Json(comparison.levels_mean));
+    json.set("levels_variance", Json(comparison.levels_variance));
+    json.set("relative_rmse", Json(comparison.relative_rmse));
+    json.set("pixels", Json(std::int64_t(comparison.num_pixels)));
+    return json;
+}
+
+Json truth_json(const MapComparison& comparison) {
+    Json json = Json::object();
+    json.set("mean_relative_error", Json(comparison.mean_relative_error));
+    json.set("median_absolute_relative_error", Json(comparison.median_absolute_relative_error));
+    json.set("rmse", Json(comparison.rmse));
+    json.set("coverage68", Json(comparison.coverage68));
+    json.set("coverage95", Json(comparison.coverage95));
+    json.set("texels", Json(std::int64_t(comparison.num_texels)));
+    return json;
+}
+
+void add_row(TextTable& table, const std::string& name, const ImageComparison& comparison) {
+    table.add({name,
+               fmt::format("{:.3f}", comparison.levels_mean),
+               fmt::format("{:.3f}", comparison.levels_variance),
+               fmt::format("{:.4f}", comparison.relative_rmse),
+               fmt::format("{}", comparison.num_pixels)});
+}
+
+void add_row(TextTable& table,
+             const std::string& name,
+             const std::optional<MapComparison>& comparison) {
+    if (!comparison) return;
+    table.add({name,
+               fmt::format("{:+.2f} %", 100 * comparison->mean_relative_error),
+               fmt::format("{:.2f} %", 100 * comparison->median_absolute_relative_error),
+               fmt::format("{:.4f}", comparison->rmse),
+               fmt::format("{:.1f} %", 100 * comparison->coverage68),
+               fmt::format("{:.1f} %", 100 * comparison->coverage95),
+               fmt::format("{}", comparison->num_texels)});
+}
+
+}  // namespace
+
+Json comparison_json(const Comparison& comparison) {
+    Json json = Json::object();
+    json.set("name", Json(comparison.name));
+    json.set("white", Json(comparison.white));
+    if (comparison.shots) json.set("shots", image_json(*comparison.shots));
+    if (comparison.heldout) json.set("heldout", image_json(*comparison.heldout));
+    if (comparison.truth) {
+        Json truth = Json::object();
+        const auto add = [&](const char* name, const std::optional<MapComparison>& map) {
+            if (map) truth.set(name, truth_json(*map));
+        };
+        add("diffuse", comparison.truth->diffuse);
+        add("specular", comparison.truth->specular);
+        add("roughness", comparison.truth->roughness);
+        json.set("truth", std::move(truth));
+    }
+    Json per_shot = Json::list();
+    for (const ShotComparison& shot : comparison.per_shot) {
+        Json item = image_json(shot.difference);
+        item.set("image", Json(shot.image));
+        item.set("heldout", Json(shot.heldout));
+        per_shot.push(std::move(item));
+    }
+    json.set("per_shot", std::move(per_shot));
+    return json;
+}
+
+std::string comparison_text(const Comparison& comparison) {
+    TextTable images({"images", " mean", " variance", " relative RMSE", " pixels"});
+    for (const ShotComparison& shot : comparison.per_shot) {
+        add_row(images, shot.image + (shot.heldout ? " (held out)" : ""), shot.difference);
+    }
+    if (comparison.shots) add_row(images, "all used shots", *comparison.shots);
+    if (comparison.heldout) add_row(images, "all held-out shots", *comparison.heldout);
+    std::string text =
+        fmt::format("|synthetic - real| in 8-bit levels; level 255 is the radiance {:.6g}\n\n",
+                    comparison.white) +
+        images.text();
+    if (comparison.truth) {
+        TextTable truth({"truth",
+                         " mean error",
+                         " median |error|",
+                         " RMSE",
+                         " in 68 %",
+                         " in 95 %",
+                         " texels"});
+        add_row(truth, "diffuse", comparison.truth->diffuse);
+        add_row(truth, "specular", comparison.truth->specular);
+        add_row(truth, "roughness", comparison.truth->roughness);
+        text += "\n" + truth.text();
+    }
+    return text;
+}
+
+}  // namespace patina

@@ -1,0 +1,314 @@
+#include "patina/pipeline/estimate_capture.h"
+
+#include "patina/base/output_file.h"
+#include "patina/pipeline/text_table.h"
+#include "patina/pipeline/version.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <sys/resource.h>
+
+namespace patina {
+namespace {
+
+namespace fs = std::filesystem;
+
+Choices<Method> method_choices() {
+    return {{"direct", Method::direct},
+            {"diffuse", Method::diffuse},
+            {"photon", Method::photon},
+            {"gather", std::nullopt}};
+}
+
+// Stores one number of every texel where the texel lies.
+class MapWriter {
+  public:
+    MapWriter(const TexelAtlas& atlas, std::size_t texel)
+        : column_(atlas.texels[texel].column), row_(atlas.texels[texel].row) {}
+
+    void store(Image& map, double value) const { map.at(column_, row_) = float(value); }
+    void store(Image& map, const Rgb& value) const {
+        for (int channel = 0; channel < 3; ++channel) {
+            map.at(column_, row_, channel) = float(value[channel]);
+        }
+    }
+
+  private:
+    int column_;
+    int row_;
+};
+
+ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
+    const Image three(atlas.width, atlas.height, 3);
+    const Image one(atlas.width, atlas.height, 1);
+    ReflectanceMaps maps{three, one, one, three, one, one, one};
+    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+        const MapWriter texel(atlas, i);
+        texel.store(maps.diffuse, estimate.maps[i].diffuse);
+        texel.store(maps.specular, estimate.maps[i].specular);
+        texel.store(maps.roughness, estimate.maps[i].roughness);
+        texel.store(maps.diffuse_stderr, estimate.errors[i].diffuse);
+        texel.store(maps.specular_stderr, estimate.errors[i].specular);
+        texel.store(maps.roughness_stderr, estimate.errors[i].roughness);
+        texel.store(maps.status, double(estimate.status[i]));
+    }
+    return maps;
+}
+
+Json iterations_json(const std::vector<IterationLog>& iterations) {
+    Json list = Json::list();
+    for (const IterationLog& turn : iterations) {
+        Json item = Json::object();
+        item.set("stage", Json(turn.stage));
+        item.set("error", Json(turn.error));
+        item.set("change", Json(turn.change));
+        item.set("lambda", Json(turn.spectral_radius));
+        item.set("damping", Json(turn.damping));
+        item.set("retraced", Json(turn.retraced));
+        list.push(std::move(item));
+    }
+    return list;
+}
+
+Json texels_json(const TexelAtlas& atlas, const Estimate& estimate) {
+    std::array<std::int64_t, 4> by_status = {};
+    const auto num_cells = std::int64_t(atlas.width) * std::int64_t(atlas.height);
+    by_status[0] = num_cells - std::int64_t(atlas.texels.size());
+    std::int64_t num_seen = 0;
+    std::int64_t num_seen_measured = 0;
+    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+        ++by_status[std::size_t(estimate.status[i])];
+        if (estimate.seen[i] == 0) continue;
+        ++num_seen;
+        const bool is_measured = estimate.status[i] == TexelStatus::measured ||
+                                 estimate.status[i] == TexelStatus::diffuse_measured;
+        if (is_measured) ++num_seen_measured;
+    }
+    Json counts = Json::object();
+    for (std::size_t status = 0; status < by_status.size(); ++status) {
+        counts.set(fmt::format("{}", status), Json(by_status[status]));
+    }
+    Json texels = Json::object();
+    texels.set("width", Json(atlas.width));
+    texels.set("height", Json(atlas.height));
+    texels.set("by_status", std::move(counts));
+    texels.set("seen", Json(num_seen));
+    texels.set("seen_measured_share",
+               Json(num_seen > 0 ? double(num_seen_measured) / double(num_seen) : 0.0));
+    texels.set("clamped", Json(std::int64_t(estimate.num_clamped)));
+    return texels;
+}
+
+// Peak resident memory of this process [bytes].
+std::int64_t peak_memory_bytes() {
+    rusage usage{};
+    getrusage(RUSAGE_SELF, &usage);
+    constexpr std::int64_t kBytesPerKibibyte = 1024;
+    return std::int64_t(usage.ru_maxrss) * kBytesPerKibibyte;
+}
+
+Json timing_json(const Progress& progress) {
+    Json stages = Json::object();
+    double total = 0;
+    for (const StageTime& time : progress.stage_times()) {
+        stages.set(time.stage, Json(time.seconds));
+        total += time.seconds;
+    }
+    Json timing = Json::object();
+    timing.set("stages_s", std::move(stages));
+    timing.set("total_s", Json(total));
+    timing.set("peak_memory_bytes", Json(peak_memory_bytes()));
+    return timing;
+}
+
+Json make_json(const Capture& capture, const EstimateOptions& options, const Estimate& estimate) {
+    EstimateOptions copy = options;
+    Json json = Json::object();
+    json.set("format", Json("patina-result"));
+    json.set("version", Json(1));
+    json.set("name", Json(capture.description.name));
+    json.set("program_version", Json(program_version()));
+    json.set("method", Json(method_name(options.method)));
+    json.set("seed", Json(std::int64_t(options.photons.seed)));
+    json.set("settings", settings_of(estimate_option_table(copy)));
+    json.set("converged", Json(estimate.converged));
+    json.set("lambda",
+             Json(estimate.iterations.empty() ? 0.0 : estimate.iterations.back().spectral_radius));
+    json.set("noise_scale", Json(estimate.noise_scale));
+    json.set("texels", texels_json(capture.atlas, estimate));
+    json.set("iterations", iterations_json(estimate.iterations));
+    return json;
+}
+
+OptionTable fine_option_table(EstimateOptions& options) {
+    ObservationOptions& looks = options.observations;
+    FitOptions& fit = options.fit;
+    RatioKernelOptions& kernel = options.kernel;
+    const Range angle = between(1, 90);
+    return {
+        number_option("tolerance",
+                      options.tolerance,
+                      above(0),
+                      "",
+                      "stop when maps and E change by less, relative"),
+        angle_option("max_light_angle",
+                     looks.max_light_angle,
+                     angle,
+                     "leave out light further from the normal"),
+        angle_option("max_view_angle",
+                     looks.max_view_angle,
+                     angle,
+                     "leave out views further from the normal"),
+        number_option("calibration_stddev",
+                      looks.calibration_stddev,
+                      at_least(0),
+                      "",
+                      "relative error of every radiance that no noise model covers"),
+        number_option(
+            "default_read_stddev",
+            looks.default_read_stddev,
+            above(0),
+            "",
+            "read noise where the capture states none, as a share of the 99th percentile"),
+        angle_option("initial_roughness",
+                     fit.initial_roughness,
+                     between(1, 45),
+                     "sigma that decides the first classes of pixels"),
+        number_option("diffuse_share",
+                      fit.diffuse_share,
+                      between(0, 1),
+                      "",
+                      "predicted specular share below which a pixel counts as diffuse"),
+        number_option("specular_share",
+                      fit.specular_share,
+                      between(0, 1),
+                      "",
+                      "predicted specular share above which a pixel counts as specular"),
+        number_option("min_roughness",
+                      fit.min_roughness,
+                      between(kMinRoughness, kMaxRoughness),
+                      "rad",
+                      "smallest sigma of the search"),
+        number_option("max_roughness",
+                      fit.max_roughness,
+                      between(kMinRoughness, kMaxRoughness),
+                      "rad",
+                      "largest sigma of the search"),
+        integer_option("max_bounces",
+                       options.photons.max_bounces,
+                       between(1, 1000),
+                       "arrivals after which a photon is cut"),
+        angle_option("azimuth_window",
+                     options.photons.azimuth_window,
+                     between(0.1, 180),
+                     "half width of the columns that a photon of a turning lamp counts for"),
+        number_option("kernel_arrivals",
+                      kernel.arrivals,
+                      above(0),
+                      "",
+                      "photons that a kernel of the irradiance should hold"),
+        number_option("kernel_min_radius",
+                      kernel.min_radius,
+                      above(0),
+                      "texels",
+                      "smallest radius of a kernel"),
+        number_option("kernel_max_radius",
+                      kernel.max_radius,
+                      above(0),
+                      "texels",
+                      "largest radius of a kernel"),
+        integer_option(
+            "kernel_max_texels", kernel.max_texels, between(1, 100'000), "most texels in a kernel"),
+    };
+}
+
+}  // namespace
+
+OptionTable estimate_option_table(EstimateOptions& options) {
+    OptionTable table = {
+        choice_option("method",
+                      options.method,
+                      method_choices(),
+                      "what is known of bounced light: nothing, diffuse bounces, all bounces"),
+        choice_option("loop",
+                      options.loop,
+                      Choices<Loop>{{"damped", Loop::damped}, {"plain", Loop::plain}},
+                      "how the maps follow a fit; plain is the paper's, which may diverge"),
+        flag_option("literal",
+                    options.fit.literal,
+                    "as the paper: diffuse pixels hold no specular light at all"),
+        integer_option("photons",
+                       options.photons.photons,
+                       between(2, 1e9),
+                       "photons for each set of lamps that shine together"),
+        integer_option("iterations",
+                       options.max_iterations,
+                       between(1, 100'000),
+                       "most turns of the loop, for each of methods diffuse and photon"),
+        number_option("threshold",
+                      options.threshold,
+                      at_least(0),
+                      "",
+                      "stop when the error E of equation (5) falls below it [radiance^2]"),
+    };
+    for (Option& option : fine_option_table(options)) table.push_back(std::move(option));
+    return table;
+}
+
+std::string method_name(Method method) { return choice_name(method_choices(), method); }
+
+Result make_result(const Capture& capture,
+                   const EstimateOptions& options,
+                   const Estimate& estimate) {
+    Result result;
+    result.maps = make_maps(capture.atlas, estimate);
+    result.mesh = capture.mesh;
+    result.name = capture.description.name;
+    result.json = to_text(make_json(capture, options, estimate));
+    return result;
+}
+
+Json estimate_capture(const fs::path& capture_path,
+                      const fs::path& result_path,
+                      const EstimateOptions& options,
+                      Progress& progress) {
+    validate(options);
+    OutputFolder folder(result_path, "-o");
+    progress.begin_stage("read geometry");
+    const Capture capture = load_capture(capture_path);
+    progress.end_stage(fmt::format("{}, {} triangles, {} texels",
+                                   capture.description.name,
+                                   capture.mesh.triangles.size(),
+                                   capture.atlas.texels.size()));
+    const Estimate estimate = estimate_reflectance(capture, options, progress);
+    Json json = make_json(capture, options, estimate);
+    json.set("timing", timing_json(progress));
+    Result result = make_result(capture, options, estimate);
+    result.json = to_text(json);
+    write_result(folder.path(), result);
+    folder.commit();
+    return json;
+}
+
+std::string estimate_text(const Json& result) {
+    const Json& texels = *result.find("texels");
+    const Json& by_status = *texels.find("by_status");
+    TextTable table({"", ""});
+    table.add({"capture", result.find("name")->text});
+    table.add({"method", result.find("method")->text});
+    table.add({"converged", result.find("converged")->boolean ? "yes" : "no"});
+    table.add({"turns", fmt::format("{}", result.find("iterations")->items.size())});
+    table.add({"lambda", fmt::format("{:.3f}", result.find("lambda")->number)});
+    table.add({"measured (status 1)", fmt::format("{} texels", by_status.find("1")->integer)});
+    table.add({"diffuse measured (2)", fmt::format("{} texels", by_status.find("2")->integer)});
+    table.add({"filled (3)", fmt::format("{} texels", by_status.find("3")->integer)});
+    table.add({"seen texels measured",
+               fmt::format("{:.1f} %", 100 * texels.find("seen_measured_share")->number)});
+    table.add(
+        {"held in the feasible set", fmt::format("{} texels", texels.find("clamped")->integer)});
+    table.add({"time", fmt::format("{:.1f} s", result.find("timing")->find("total_s")->number)});
+    return table.text();
+}
+
+}  // namespace patina

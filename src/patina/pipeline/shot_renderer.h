@@ -1,0 +1,55 @@
+// A capture's shots again, path traced from estimated maps.
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/capture/capture.h"
+#include "patina/capture/result_folder.h"
+#include "patina/pipeline/uv_locator.h"
+#include "patina/transport/surface.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace patina {
+
+struct ShotRenderOptions {
+    int samples_per_pixel = 64;  // paths; >= 1; powers of two are best
+    std::uint64_t seed = 1;
+};
+
+struct RenderedShot {
+    Image radiance;  // three channels [radiance]; 0 where there is no surface
+    // Per pixel: the TexelStatus of what it shows; off_surface unless the pixel shows the surface
+    // alone (registered cameras: for at least half of the pixel); the highest where it shows
+    // several texels.
+    std::vector<std::uint8_t> status;
+};
+
+// Keeps references to the capture.
+class ShotRenderer {
+  public:
+    // result_place: the result's folder, for the error when its maps are of another size than the
+    // capture's texel domain.
+    ShotRenderer(const Capture& capture,
+                 const ReflectanceMaps& maps,
+                 const std::string& result_place);
+
+    // A pixel is the mean over paths spread over its footprint (registered cameras: over its
+    // texel). Adds samples_per_pixel per pixel to the progress. The same bytes for any number of
+    // threads.
+    [[nodiscard]] RenderedShot render(std::size_t shot,
+                                      const ShotRenderOptions& options,
+                                      Progress& progress) const;
+    // Paths that render() traces, for the progress.
+    [[nodiscard]] std::uint64_t num_paths(std::size_t shot, const ShotRenderOptions& options) const;
+
+  private:
+    const Capture& capture_;
+    Tracer tracer_;
+    UvLocator locator_;
+    std::vector<Reflectance> reflectance_;  // per texel of the atlas
+    std::vector<std::uint8_t> status_;      // per texel of the atlas
+};
+
+}  // namespace patina
