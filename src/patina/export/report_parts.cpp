@@ -1,0 +1,70 @@
+#include "patina/export/report_parts.h"
+
+#include <algorithm>
+#include <array>
+
+namespace patina {
+namespace {
+
+struct KnownMethod {
+    const char* method;
+    const char* label;
+    int color;
+};
+constexpr std::array<KnownMethod, 4> kMethods = {{{"direct", "Conventional I (direct)", 1},
+                                                  {"diffuse", "Conventional II (diffuse)", 2},
+                                                  {"photon", "The paper\u2019s (photon)", 3},
+                                                  {"gather", "Ours (gather)", 4}}};
+constexpr int kOtherColor = 5;
+
+struct PaperRow {
+    const char* object;
+    const char* method;
+    PaperDifference difference;
+};
+constexpr std::array<PaperRow, 4> kPaperTable1 = {{{"B", "diffuse", {8.7, 493.3}},
+                                                   {"B", "photon", {0.51, 3.2}},
+                                                   {"C", "diffuse", {13.3, 375.2}},
+                                                   {"C", "photon", {0.92, 9.8}}}};
+
+const KnownMethod* known(const std::string& method) {
+    const auto found = std::find_if(
+        kMethods.begin(), kMethods.end(), [&](const KnownMethod& m) { return m.method == method; });
+    return found == kMethods.end() ? nullptr : &*found;
+}
+
+}  // namespace
+
+std::string method_label(const std::string& method) {
+    const KnownMethod* found = known(method);
+    return found != nullptr ? found->label : method;
+}
+
+int method_color(const std::string& method) {
+    const KnownMethod* found = known(method);
+    return found != nullptr ? found->color : kOtherColor;
+}
+
+PixelMask status_mask(const ReportMaps& maps, int low, int high) {
+    PixelMask mask;
+    for (const float status : maps.status.data) {
+        mask.push_back(std::uint8_t(status >= float(low) && status <= float(high)));
+    }
+    return mask;
+}
+
+const MethodReport* find_method(const ObjectReport& object, const std::string& method) {
+    const auto found = std::find_if(object.methods.begin(),
+                                    object.methods.end(),
+                                    [&](const MethodReport& m) { return m.method == method; });
+    return found == object.methods.end() ? nullptr : &*found;
+}
+
+std::optional<PaperDifference> paper_table_1(const std::string& object, const std::string& method) {
+    for (const PaperRow& row : kPaperTable1) {
+        if (row.object == object && row.method == method) return row.difference;
+    }
+    return std::nullopt;
+}
+
+}  // namespace patina
