@@ -2,10 +2,15 @@
 
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
+#include "patina/base/random.h"
 #include "patina/math/warp.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace patina {
 namespace {

@@ -78,7 +78,7 @@ TEST(Render, InterreflectionAddsWhatTheAlbedoAllows) {
 
 TEST(Render, ShiftedImagesShowWhatLiesBesideEachPixel) {
     constexpr int kSide = 16;
-    const SimulatedObject object = make_object(ObjectKind::c, kSide, kSide);
+    const SimulatedObject object = make_object(ObjectKind::a, kSide, kSide);
     const ScanRig rig = make_rig(object, kSide, kSide);
     RenderOptions options = some_options(1);
     Progress progress;

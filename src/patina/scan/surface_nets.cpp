@@ -14,7 +14,7 @@ namespace patina {
 namespace {
 
 // Cells along an edge of the blocks in which empty space is skipped.
-constexpr int kBlock = 8;
+constexpr int kBlock = 4;
 // Newton steps per vertex; each squares the remaining distance relative to the curvature's radius.
 constexpr int kNewtonSteps = 4;
 // A vertex this close to the surface, in cells, is on it: below the rounding of single precision.
@@ -43,7 +43,7 @@ void sample_block(const SignedDistance& distance, const Eigen::Vector3i& begin, 
         grid.origin + grid.cell * (begin.cast<double>().array() + 0.5 * kBlock).matrix();
     const double reach = 0.5 * std::sqrt(3.0) * kBlock * grid.cell;
     const double at_center = distance(center);
-    const bool is_far = std::abs(at_center) > kMaxDistanceSlope * reach;
+    const bool is_far = std::abs(at_center) > kMaxDistanceRatio * reach;
     for (int z = begin.z(); z < end.z(); ++z) {
         for (int y = begin.y(); y < end.y(); ++y) {
             for (int x = begin.x(); x < end.x(); ++x) {
@@ -148,13 +148,10 @@ std::optional<Vec3> cell_crossing(const Grid& grid, int x, int y, int z) {
 void add_quad(const std::array<std::uint32_t, 4>& ring, bool starts_inside, Mesh& mesh) {
     for (const std::uint32_t vertex : ring) PATINA_CHECK_LT(vertex, kNoVertex);
     const auto& [a, b, c, d] = ring;
-    if (starts_inside) {
-        mesh.triangles.push_back({a, b, c});
-        mesh.triangles.push_back({a, c, d});
-    } else {
-        mesh.triangles.push_back({a, c, b});
-        mesh.triangles.push_back({a, d, c});
-    }
+    const std::array<std::uint32_t, 4> quad =
+        starts_inside ? ring : std::array<std::uint32_t, 4>{a, d, c, b};
+    mesh.triangles.push_back({quad[0], quad[1], quad[2]});
+    mesh.triangles.push_back({quad[0], quad[2], quad[3]});
 }
 
 // Vertex ids of the cells of one layer (constant z), and of the layer below it.
@@ -250,6 +247,33 @@ void project_vertices(const SignedDistance& distance, double cell, Mesh& mesh) {
     });
 }
 
+// Area of a triangle as seen along its vertices' normals, relative to its edges: largest for an
+// equilateral triangle that lies in the surface, negative for one that is folded over.
+double triangle_quality(const Mesh& mesh, const Triangle& triangle) {
+    const auto& [a, b, c] = triangle;
+    const Vec3f ab = mesh.positions[b] - mesh.positions[a];
+    const Vec3f ac = mesh.positions[c] - mesh.positions[a];
+    const Vec3f normal = mesh.normals[a] + mesh.normals[b] + mesh.normals[c];
+    const float edges = ab.squaredNorm() + ac.squaredNorm() + (ac - ab).squaredNorm();
+    return edges > 0 ? double(ab.cross(ac).dot(normal) / edges) : 0.0;
+}
+
+// Cuts each quad (two consecutive triangles) along the better one of its diagonals.
+void choose_diagonals(Mesh& mesh) {
+    parallel_for(mesh.triangles.size() / 2, [&](std::size_t i) {
+        Triangle& first = mesh.triangles[2 * i];
+        Triangle& second = mesh.triangles[2 * i + 1];
+        const Triangle other_first = {first[0], first[1], second[2]};
+        const Triangle other_second = {first[1], second[1], second[2]};
+        const auto quality = [&](const Triangle& a, const Triangle& b) {
+            return std::min(triangle_quality(mesh, a), triangle_quality(mesh, b));
+        };
+        if (quality(other_first, other_second) <= quality(first, second)) return;
+        first = other_first;
+        second = other_second;
+    });
+}
+
 }  // namespace
 
 Mesh surface_nets(const SignedDistance& distance, const SurfaceNetsOptions& options) {
@@ -258,6 +282,7 @@ Mesh surface_nets(const SignedDistance& distance, const SurfaceNetsOptions& opti
     settle_ambiguous_faces(grid);
     Mesh mesh = connect(grid);
     project_vertices(distance, options.cell, mesh);
+    choose_diagonals(mesh);
     return mesh;
 }
 

@@ -14,11 +14,14 @@ struct SurfaceNetsOptions {
     double cell = 0.001;  // edge of the cubic cells [length], > 0
 };
 
+// What `distance` returns is at most this many times the Euclidean distance to the surface [-];
+// smaller values are fine.
+inline constexpr double kMaxDistanceRatio = 1.5;
+
 // One vertex per cell that the surface crosses, two triangles per crossed grid edge; smooth normals
 // from the gradient. Every edge belongs to exactly two triangles: where the samples leave that open
 // (a face of a cell whose inside corners lie across from each other), the solid is thickened by one
-// sample. distance: must not change faster than `kMaxDistanceSlope` times the distance moved.
-inline constexpr double kMaxDistanceSlope = 1.5;
+// sample.
 [[nodiscard]] Mesh surface_nets(const SignedDistance& distance, const SurfaceNetsOptions& options);
 
 }  // namespace patina
