@@ -4,6 +4,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 
@@ -34,9 +35,11 @@ std::string group_thousands(const std::string& digits) {
     return text;
 }
 
-// Of |value| >= 0 in [kSmallest, kLargest).
+// Of a magnitude in [kSmallest, kLargest).
 std::string format_plain(double magnitude, int digits) {
-    const int exponent = magnitude > 0 ? int(std::floor(std::log10(magnitude))) : 0;
+    // Of the rounded value: 9.999 is 10.0 in three digits.
+    const std::string rounded = fmt::format("{:.{}e}", magnitude, digits - 1);
+    const int exponent = std::atoi(rounded.c_str() + rounded.find('e') + 1);
     const int decimals = std::max(0, digits - 1 - exponent);
     const std::string text = fmt::format("{:.{}f}", magnitude, decimals);
     return decimals == 0 ? group_thousands(text) : text;
@@ -65,17 +68,32 @@ std::string table_head(const HtmlTable& table) {
     return html + "</tr></thead>";
 }
 
-std::string table_row(const HtmlTable::Row& row, std::size_t num_columns) {
+// Whether each column is the first of a group, which a line sets apart.
+std::vector<bool> group_starts(const HtmlTable& table) {
+    std::vector<bool> starts(table.columns.size(), false);
+    std::size_t column = 0;
+    for (const auto& [title, span] : table.groups) {
+        if (column > 0 && column < starts.size()) starts[column] = true;
+        column += std::size_t(span);
+    }
+    return starts;
+}
+
+std::string table_row(const HtmlTable::Row& row, const std::vector<bool>& starts_group) {
     if (row.is_heading) {
         return fmt::format(
             "<tr class=\"heading\"><th colspan=\"{}\" scope=\"rowgroup\">{}</th></tr>",
-            num_columns,
+            starts_group.size(),
             escape_html(row.cells.front()));
     }
     std::string html = row.is_strong ? "<tr class=\"strong\">" : "<tr>";
     for (std::size_t i = 0; i < row.cells.size(); ++i) {
         const std::string text = escape_html(row.cells[i]);
-        html += i == 0 ? "<th scope=\"row\">" + text + "</th>" : "<td>" + text + "</td>";
+        if (i == 0) {
+            html += "<th scope=\"row\">" + text + "</th>";
+        } else {
+            html += (starts_group[i] ? "<td class=\"start\">" : "<td>") + text + "</td>";
+        }
     }
     return html + "</tr>";
 }
@@ -133,7 +151,8 @@ std::string format_seconds(double seconds) {
 
 std::string html_table(const HtmlTable& table) {
     std::string html = "<div class=\"scroll\"><table>" + table_head(table) + "<tbody>";
-    for (const HtmlTable::Row& row : table.rows) html += table_row(row, table.columns.size());
+    const std::vector<bool> starts_group = group_starts(table);
+    for (const HtmlTable::Row& row : table.rows) html += table_row(row, starts_group);
     return html + "</tbody></table></div>\n";
 }
 

@@ -55,7 +55,9 @@ table { border-collapse: collapse; font-size: 0.92rem; margin: 0.4rem 0 0.6rem; 
 th, td { padding: 0.3rem 0.95rem; text-align: right; white-space: nowrap; font-weight: 400; }
 th:first-child { text-align: left; padding-left: 0.2rem; }
 thead th { color: var(--soft); font-size: 0.84rem; border-bottom: 1px solid var(--rule); vertical-align: bottom; }
+thead .groups th + th { border-left: 1px solid var(--rule); }
 thead .groups th { color: var(--ink); font-weight: 650; text-align: center; border-bottom: 1px solid var(--rule); }
+td.start { border-left: 1px solid var(--rule); }
 tbody tr.heading th { font-weight: 650; padding-top: 0.9rem; text-align: left; }
 tbody tr:not(.heading) + tr:not(.heading) { border-top: 1px solid var(--grid); }
 tbody tr.strong th, tbody tr.strong td { font-weight: 650; background: var(--mark); }
@@ -64,7 +66,7 @@ figcaption { color: var(--soft); font-size: 0.9rem; max-width: 52rem; margin-top
 .row { display: flex; flex-wrap: wrap; gap: 1.2rem 1.6rem; align-items: flex-start; }
 .legend { display: flex; flex-wrap: wrap; gap: 0.2rem 1.4rem; font-size: 0.88rem; margin: 0 0 0.6rem; padding: 0; list-style: none; }
 .legend li { display: flex; align-items: center; gap: 0.5rem; }
-.pictures { display: grid; gap: 0.7rem 0.8rem; align-items: center; }
+.pictures { display: grid; gap: 0.7rem 0.8rem; align-items: center; margin-bottom: 0.9rem; }
 .pictures .head { font-size: 0.88rem; font-weight: 650; align-self: end; }
 .pictures .name { font-size: 0.88rem; } .pictures .name small, .head small { display: block; color: var(--soft); font-weight: 400; font-size: 0.94em; }
 img { display: block; width: 100%; height: auto; background: #808080; }
@@ -72,6 +74,7 @@ img.coarse { image-rendering: pixelated; }
 .stack { display: flex; height: 0.5rem; max-width: 40rem; margin: 0.3rem 0; background: var(--panel); } .stack i { display: block; }
 .swatch { width: 0.85rem; height: 0.85rem; display: inline-block; }
 svg { display: block; max-width: 100%; height: auto; font: 12px system-ui, -apple-system, "Segoe UI", Roboto, "Noto Sans", "Liberation Sans", sans-serif; }
+svg.bar { margin-left: -0.7rem; max-width: calc(100% + 1.4rem); }
 svg text { fill: var(--ink); font-variant-numeric: tabular-nums; } svg .tick { fill: var(--soft); font-size: 11px; }
 svg .title { font-weight: 650; font-size: 13px; } svg .frame { stroke: var(--soft); stroke-width: 1; fill: none; }
 svg .grid { stroke: var(--grid); stroke-width: 1; } svg .marker { stroke: var(--soft); stroke-width: 1; stroke-dasharray: 2 3; }

@@ -12,8 +12,8 @@ namespace patina {
 namespace {
 
 constexpr double kWidth = 400;
-constexpr double kHeight = 300;
-constexpr double kInset = 34;
+constexpr double kHeight = 280;
+constexpr double kInset = 42;
 constexpr double kRadius = 9;      // of a chosen lamp [pixels]
 constexpr double kRadiusFree = 4;  // of the others [pixels]
 constexpr double kPlaneAngle = radians(60);
@@ -144,9 +144,11 @@ std::string lamp_map(const SelectionReport& selection) {
     };
     std::string svg = fmt::format(
         "<svg width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} {1}\" role=\"img\" "
-        "aria-label=\"Lamp positions\">",
+        "aria-label=\"Lamp positions\"><text class=\"title\" x=\"{2}\" y=\"16\">Lamp "
+        "positions</text>",
         kWidth,
-        kHeight);
+        kHeight,
+        kInset - kRadius);
     for (std::size_t i = 0; i < selection.lamps.size(); ++i) {
         const std::ptrdiff_t order = order_in(selection.chosen, i);
         if (order < 0 && order_in(selection.candidates, i) < 0) continue;

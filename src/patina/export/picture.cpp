@@ -153,7 +153,7 @@ std::string color_bar(double low,
             fmt::format("<rect x=\"{:.1f}\" y=\"16\" width=\"{:.1f}\" height=\"10\" fill=\"{}\"/>",
                         kInset + kWidth * i / kSteps,
                         // Neighbours overlap, or seams would show.
-                        kWidth / kSteps + (i + 1 < kSteps ? 0.5 : 0),
+                        kWidth / kSteps + (i + 1 < kSteps ? 1 : 0),
                         css_color(color(low + (high - low) * (i + 0.5) / kSteps)));
     }
     const std::vector<double> ticks = linear_ticks(low, high, kMaxTicks);

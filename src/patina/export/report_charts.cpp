@@ -12,7 +12,7 @@
 namespace patina {
 namespace {
 
-constexpr double kPanelWidth = 360;
+constexpr double kPanelWidth = 345;
 constexpr double kPanelHeight = 270;
 
 // Mean of Pd over each row of the texel domain, one vector per channel; NaN where a row is empty.
@@ -216,7 +216,7 @@ std::string convergence_figure(const ObjectReport& object) {
         for (std::size_t i = 0; i < loop.turns.size(); ++i) series.y[i] = loop.turns[i].change;
         change.series.push_back(series);
     }
-    std::string html = "<h3>" + escape_html(object.title) + "</h3>\n";
+    std::string html = object_heading(object);
     std::string body = convergence_table(object, loops);
     if (!error.series.empty()) {
         body = "<div class=\"row\">" + svg_plot(error) + svg_plot(change) + "</div>" +
@@ -244,7 +244,7 @@ std::string selection_section(const ReportData& data) {
     std::string figures;
     for (const ObjectReport& object : data.objects) {
         if (!object.selection || object.selection->candidates.empty()) continue;
-        figures += "<h3>" + escape_html(object.title) + "</h3>\n";
+        figures += object_heading(object);
         figures += html_figure(
             "<div class=\"row\">" + share_plot(*object.selection) + lamp_map(*object.selection) +
                 "</div>",

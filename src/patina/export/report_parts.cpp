@@ -45,6 +45,15 @@ int method_color(const std::string& method) {
     return found != nullptr ? found->color : kOtherColor;
 }
 
+std::string capitalized(std::string text) {
+    if (!text.empty() && text[0] >= 'a' && text[0] <= 'z') text[0] = char(text[0] - 'a' + 'A');
+    return text;
+}
+
+std::string object_heading(const ObjectReport& object) {
+    return "<h3>" + escape_html(capitalized(object.title)) + "</h3>\n";
+}
+
 PixelMask status_mask(const ReportMaps& maps, int low, int high) {
     PixelMask mask;
     for (const float status : maps.status.data) {

@@ -15,6 +15,11 @@ namespace patina {
 // --series-N of the style sheet, the same for a method everywhere.
 [[nodiscard]] int method_color(const std::string& method);
 
+// With a capital first letter (ASCII).
+[[nodiscard]] std::string capitalized(std::string text);
+// The heading of an object's part of a section.
+[[nodiscard]] std::string object_heading(const ObjectReport& object);
+
 // Pixels of these status values; empty (all) when the maps have no status.
 [[nodiscard]] PixelMask status_mask(const ReportMaps& maps, int low, int high);
 

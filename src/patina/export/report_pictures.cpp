@@ -20,6 +20,10 @@ constexpr double kMinDifferenceLimit = 2;
 // Maps are drawn at this share of the largest width of a picture: there are many side by side.
 constexpr double kMapShare = 0.6;
 constexpr double kPdErrorLimit = 0.25;
+// On the page [pixels]. A colour bar fits into the smallest width.
+constexpr double kMaxImageHeight = 300;
+constexpr double kMaxMapHeight = 200;
+constexpr double kMinPictureWidth = 180;
 
 using Color = std::function<Rgb(double)>;
 
@@ -43,11 +47,16 @@ std::string name_cell(std::string_view name, std::string_view note = "") {
         "<div class=\"name\">{}<small>{}</small></div>", escape_html(name), escape_html(note));
 }
 
-std::string picture_grid(int columns, const std::string& cells) {
+// A column of names and columns of pictures of this shape, none higher than max_height [pixels].
+std::string picture_grid(int columns,
+                         const Image& shape,
+                         double max_height,
+                         const std::string& cells) {
     return fmt::format(
-        "<div class=\"pictures\" style=\"grid-template-columns:8.5rem repeat({},minmax(0,1fr))\">"
-        "{}</div>\n",
+        "<div class=\"pictures\" style=\"grid-template-columns:8.5rem "
+        "repeat({},minmax(0,{:.0f}px))\">{}</div>\n",
         columns,
+        std::max(kMinPictureWidth, max_height * shape.width / shape.height),
         cells);
 }
 
@@ -127,7 +136,7 @@ std::string images_figure(const ReportData& data, const ObjectReport& object) {
                               "difference of " + object.title + ", " + label);
     }
     return html_figure(
-        picture_grid(2, cells),
+        picture_grid(2, object.real, kMaxImageHeight, cells),
         "The paper\u2019s Figure 6 for " + object.title +
             ": blue where the synthetic image is too dark, red-brown where it is too "
             "bright, one scale for all methods; grey where Pd is not measured. Look "
@@ -273,7 +282,7 @@ std::string maps_figure(const ReportData& data, const ObjectReport& object) {
     }
     const int columns = scales.truth_diffuse != nullptr ? 5 : 4;
     return html_figure(
-        picture_grid(columns, cells) + status_bars(object),
+        picture_grid(columns, reference.diffuse, kMaxMapHeight, cells) + status_bars(object),
         "Maps of " + object.title +
             " in the texel domain; grey is off the surface. Pd is shown as a colour with the sRGB "
             "curve, white is 1. Where the lobe is not measured, Ps and \u03c3 are filled from "
@@ -285,7 +294,9 @@ std::string maps_figure(const ReportData& data, const ObjectReport& object) {
 std::string images_section(const ReportData& data) {
     std::string html;
     for (const ObjectReport& object : data.objects) {
-        if (!object.real.empty()) html += images_figure(data, object);
+        if (object.real.empty()) continue;
+        const std::string figure = images_figure(data, object);
+        if (!figure.empty()) html += object_heading(object) + figure;
     }
     return html;
 }
@@ -294,7 +305,7 @@ std::string maps_section(const ReportData& data) {
     std::string html;
     for (const ObjectReport& object : data.objects) {
         const std::string figure = maps_figure(data, object);
-        if (!figure.empty()) html += "<h3>" + escape_html(object.title) + "</h3>\n" + figure;
+        if (!figure.empty()) html += object_heading(object) + figure;
     }
     return html;
 }

@@ -117,13 +117,14 @@ std::string difference_tile(const ReportData& data, const ObjectReport& object) 
     std::string detail = "mean difference under the held-out lamp";
     const MethodReport* conventional = find_method(object, "diffuse");
     if (conventional != nullptr && conventional != &best && conventional->heldout) {
-        detail += "; conventional II: " + format_number(conventional->heldout->levels_mean);
+        detail += "; conventional II: " + format_number(conventional->heldout->levels_mean, 2);
     }
     if (const auto paper = paper_table_1(object.name, best.method);
         paper && data.paper_experiments) {
         detail += fmt::format("; in the paper: {}", paper->levels_mean);
     }
-    return tile(object.title, format_number(best.heldout->levels_mean) + " levels", detail);
+    return tile(
+        capitalized(object.title), format_number(best.heldout->levels_mean, 2) + " levels", detail);
 }
 
 // How far the last method's Pd is from the truth.
@@ -257,7 +258,8 @@ std::string truth_section(const ReportData& data) {
             table.rows.push_back({std::move(cells), false, &method == &object.methods.back()});
         }
         if (table.rows.size() > begin) {
-            table.rows.insert(table.rows.begin() + std::ptrdiff_t(begin), {{object.title}, true});
+            table.rows.insert(table.rows.begin() + std::ptrdiff_t(begin),
+                              {{capitalized(object.title)}, true});
         }
     }
     if (table.rows.empty()) return "";
@@ -276,7 +278,7 @@ std::string times_section(const ReportData& data) {
                                            object.methods.end(),
                                            [](const MethodReport& m) { return !m.times.empty(); });
         if (!has_times) continue;
-        html += "<h3>" + escape_html(object.title) + "</h3>\n";
+        html += object_heading(object);
         html += html_figure(html_table(times_table(object)), "Wall time of each stage.");
     }
     return html;
