@@ -1,7 +1,7 @@
 // The objects of the virtual scanner, ready to be lit: what the light travels over.
 //
 // A, B and C are those of the paper's experiments (section 3); V45 and U are concave enough for the
-// paper's iteration to diverge (docs/theory.md). docs/objects.md shows and explains them all.
+// paper's iteration to diverge (docs/theory.md). docs/objects.md explains them all.
 #pragma once
 
 #include "patina/scan/figurines.h"

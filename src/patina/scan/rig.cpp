@@ -9,12 +9,14 @@ namespace {
 
 // Cylindrical scans [m]: distances from the axis; the surface lies about kScannedRadius from it.
 constexpr double kCameraDistance = 0.85;
-constexpr double kLampPlane = 0.45;
+constexpr double kLampPlane = 0.3;
 constexpr double kScannedRadius = 0.05;
-constexpr double kHeldoutRise = 0.2;  // above the camera
+// How far the held-out lamp is above the middle of the candidates: a step above their highest row.
+constexpr double kHeldoutRise = 0.275;
 
 // Object A [m].
 constexpr double kPlateCamera = 0.3;    // over each plate
+constexpr double kPlateHeldout = 0.5;   // over the lying plate, above the camera
 constexpr double kPlateLamps = 0.5;     // over the plate whose highlights they make
 constexpr double kBehindPlate = -0.21;  // where their grid begins, behind the other plate
 
@@ -79,7 +81,7 @@ ScanRig cylindrical_rig(const RangeFrame& frame, int columns, int rows) {
     ScanRig rig;
     rig.cameras.push_back(make_camera("line", {0, height, kCameraDistance}, kFrame, columns, rows));
     const Vec3 center(0, height, kLampPlane);
-    add_grid({center, Vec3::UnitX(), -Vec3::UnitY(), 10, 6, distance, kFrame}, rig.candidates);
+    add_grid({center, Vec3::UnitX(), -Vec3::UnitY(), 6, 10, distance, kFrame}, rig.candidates);
     rig.heldout = make_lamp("above", center + Vec3(0, kHeldoutRise, 0), distance, kFrame);
     return rig;
 }
@@ -96,7 +98,7 @@ ScanRig plates_rig(int columns, int rows) {
         const Vec3 along = is_above ? Vec3::UnitZ() : Vec3::UnitY();
         add_grid({center, Vec3::UnitX(), along, 5, num_along, kPlateLamps, kFrame}, rig.candidates);
     }
-    const Vec3 above(0, kPlateCamera + kHeldoutRise, kPlateCamera);
+    const Vec3 above(0, kPlateHeldout, kPlateCamera);
     rig.heldout = make_lamp("above", above, kPlateLamps, kFrame);
     return rig;
 }

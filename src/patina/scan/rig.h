@@ -20,11 +20,11 @@ struct ScanRig {
     Light heldout;   // above the camera, not one of the candidates
 };
 
-// B and C: a line camera at 0.85 m from the axis, a 10 x 6 grid of lamps in a plane at 0.45 m, all
-// turning with the scanner. A: a camera on the bisector, two grids of 5 x 6 high enough to clear
-// the opposite plate, the one over the edge of the standing plate for highlights on the lying one,
-// the other its mirror image. V45 and U: lamps and cameras high above; U has three cameras, since
-// none sees both walls. columns, rows: of the texel domain.
+// B and C: a line camera at 0.85 m from the axis, a grid of 6 x 10 lamps in a plane at 0.3 m, near
+// enough for highlights on slopes, all turning with the scanner. A: a camera on the bisector, two
+// grids of 5 x 6 high enough to clear the opposite plate, the one over the edge of the standing
+// plate for highlights on the lying one, the other its mirror image. V45 and U: lamps and cameras
+// high above; U has three cameras, since none sees both walls. columns, rows: of the texel domain.
 [[nodiscard]] ScanRig make_rig(const SimulatedObject& object, int columns, int rows);
 
 }  // namespace patina
