@@ -2,7 +2,6 @@
 //
 // Negative inside, positive outside, close to the Euclidean distance near the surface [length].
 //
-// Based on: Ricci. A Constructive Geometry for Computer Graphics. The Computer Journal 16(2), 1973.
 // The smooth minimum is the quadratic polynomial one, whose gradient stays of length 1 or less.
 #pragma once
 
