@@ -3,7 +3,12 @@
 #include "patina/base/parallel.h"
 #include "patina/base/progress.h"
 #include "patina/pipeline/compare_result.h"
+#include "patina/pipeline/demo.h"
 #include "patina/pipeline/estimate_capture.h"
+#include "patina/pipeline/plan_lamps.h"
+#include "patina/pipeline/render_capture.h"
+#include "patina/pipeline/show_info.h"
+#include "patina/pipeline/simulate_object.h"
 
 #include <fmt/format.h>
 
@@ -77,6 +82,117 @@ Option output_option(const std::string& value_name, fs::path& field, const std::
     return with_letter(required(path_option("output", value_name, field, help)), "o");
 }
 
+Command demo_command() {
+    struct State {
+        CommonOptions common;
+        DemoOptions options;
+    };
+    return make_command<State>(
+        "demo",
+        "Run the paper's experiments on simulated objects A, B, C and write a report",
+        "patina demo -o patina-demo",
+        [](State& state) { return demo_option_table(state.options); },
+        [](const State& state, Session& session) {
+            DemoOptions options = state.options;
+            options.seed = state.common.seed;
+            const ReportData report = run_demo(options, session.progress);
+            session.print(demo_text(report, options), demo_json(report, options));
+        });
+}
+
+Command info_command() {
+    struct State {
+        CommonOptions common;
+        fs::path path;
+        InfoOptions options;
+    };
+    return make_command<State>(
+        "info",
+        "Check a capture, a rig or a result and say what is in it",
+        "patina info captures/vase -o sheet",
+        [](State& state) {
+            return joined(
+                {positional("PATH", state.path, "the folder of a capture, a rig or a result")},
+                info_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            const Json info = show_info(state.path, state.options, session.progress);
+            session.print(info_text(info), info);
+        });
+}
+
+Command simulate_command() {
+    struct State {
+        CommonOptions common;
+        std::string object;
+        fs::path output;
+        SimulateOptions options;
+    };
+    return make_command<State>(
+        "simulate",
+        "Take a capture of a known object with the virtual scanner",
+        "patina simulate B -o captures/cat",
+        [](State& state) {
+            return joined({positional("OBJECT", state.object, "A, B, C, V45 or U"),
+                           output_option("CAPTURE", state.output, "the folder to write")},
+                          simulate_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            SimulateOptions options = state.options;
+            options.scan.seed = state.common.seed;
+            const Json simulated =
+                simulate_object(state.object, state.output, options, session.progress);
+            session.print(simulate_text(simulated), simulated);
+        });
+}
+
+Command plan_command() {
+    struct State {
+        CommonOptions common;
+        fs::path path;
+        PlanOptions options;
+    };
+    return make_command<State>(
+        "plan",
+        "Choose lamp positions from the candidates of a rig or a capture",
+        "patina plan rigs/vase -o rigs/chosen",
+        [](State& state) {
+            return joined({positional("PATH", state.path, "the folder of a rig or a capture")},
+                          plan_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            const Json plan = plan_lamps(state.path, state.options, session.progress);
+            session.print(plan_text(plan), plan);
+        });
+}
+
+Command render_command() {
+    struct State {
+        CommonOptions common;
+        fs::path capture;
+        fs::path result;
+        fs::path output;
+        ShotRenderOptions options;
+    };
+    return make_command<State>(
+        "render",
+        "Render the capture's shots again from the estimated maps",
+        "patina render captures/vase results/vase -o renders/vase",
+        [](State& state) {
+            return joined({positional("CAPTURE", state.capture, "the capture's folder"),
+                           positional("RESULT", state.result, "the result's folder"),
+                           output_option("DIR", state.output, "the folder to write")},
+                          render_option_table(state.options));
+        },
+        [](const State& state, Session& session) {
+            ShotRenderOptions options = state.options;
+            options.seed = state.common.seed;
+            const Json rendered = render_capture(
+                state.capture, state.result, state.output, options, session.progress);
+            session.print(render_text(rendered), rendered);
+        });
+}
+
 Command estimate_command() {
     struct State {
         CommonOptions common;
@@ -129,7 +245,15 @@ Command compare_command() {
 
 }  // namespace
 
-std::vector<Command> all_commands() { return {estimate_command(), compare_command()}; }
+std::vector<Command> all_commands() {
+    return {demo_command(),
+            info_command(),
+            simulate_command(),
+            plan_command(),
+            estimate_command(),
+            render_command(),
+            compare_command()};
+}
 
 std::vector<std::string> later_commands() { return {"export", "view", "import"}; }
 

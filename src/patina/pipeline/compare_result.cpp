@@ -1,6 +1,7 @@
 #include "patina/pipeline/compare_result.h"
 
 #include "patina/base/output_file.h"
+#include "patina/export/picture.h"
 #include "patina/math/statistics.h"
 #include "patina/pipeline/pictures.h"
 #include "patina/pipeline/truth_comparison.h"
@@ -44,24 +45,23 @@ struct DifferenceSums {
     }
 };
 
-// One shot, rendered and real, and which of its pixels count.
-struct ShotPair {
-    Image real;
-    Image synthetic;
-    std::vector<std::uint8_t> counts;
-};
-
 bool is_measured(std::uint8_t status) {
     const auto texel = TexelStatus(status);
     return texel == TexelStatus::measured || texel == TexelStatus::diffuse_measured;
 }
 
+ShotRenderOptions render_options(const CompareOptions& options, const Shot& shot) {
+    ShotRenderOptions render = options.render;
+    if (shot.heldout) render.samples_per_pixel *= options.heldout_sample_factor;
+    return render;
+}
+
 ShotPair make_pair(const Capture& capture,
                    const ShotRenderer& renderer,
                    std::size_t shot,
-                   const CompareOptions& options,
+                   const ShotRenderOptions& options,
                    Progress& progress) {
-    RenderedShot rendered = renderer.render(shot, options.render, progress);
+    RenderedShot rendered = renderer.render(shot, options, progress);
     RadianceImage image = load_radiance(capture.description, shot);
     ShotPair pair{std::move(image.radiance), std::move(rendered.radiance), image.usable};
     for (std::size_t i = 0; i < pair.counts.size(); ++i) {
@@ -104,8 +104,8 @@ void write_pictures(const fs::path& folder,
                     const std::string& name,
                     const ShotPair& pair,
                     double white) {
-    write_png(folder / (name + "_real.png"), display_picture(pair.real, white));
-    write_png(folder / (name + "_synthetic.png"), display_picture(pair.synthetic, white));
+    write_png(folder / (name + "_real.png"), display_image({pair.real, {}}, white));
+    write_png(folder / (name + "_synthetic.png"), display_image({pair.synthetic, {}}, white));
     write_png(folder / (name + "_difference.png"),
               difference_picture(pair.real, pair.synthetic, pair.counts, white));
 }
@@ -141,21 +141,23 @@ Comparison compare_maps(const Capture& capture,
     const std::vector<Shot>& shots = capture.description.shots;
     std::uint64_t num_paths = 0;
     for (std::size_t i = 0; i < shots.size(); ++i) {
-        num_paths += renderer.num_paths(i, options.render);
+        num_paths += renderer.num_paths(i, render_options(options, shots[i]));
     }
     progress.begin_stage("render shots", num_paths, "paths");
     std::optional<OutputFolder> folder;
     if (!options.pictures.empty()) folder.emplace(options.pictures, "-o");
     std::vector<DifferenceSums> sums(shots.size());
-    std::vector<ShotPair> pairs;
+    std::vector<std::optional<ShotPair>> pairs(shots.size());
     std::vector<double> used_values;
     for (std::size_t i = 0; i < shots.size(); ++i) {
-        ShotPair pair = make_pair(capture, renderer, i, options, progress);
+        ShotPair pair =
+            make_pair(capture, renderer, i, render_options(options, shots[i]), progress);
         sums[i] = difference_of(pair);
         if (!shots[i].heldout) {
             for_each_value(pair, [&](double real, double) { used_values.push_back(real); });
         }
-        if (folder) pairs.push_back(std::move(pair));
+        const bool is_wanted = folder || (options.keep_heldout && shots[i].heldout);
+        if (is_wanted) pairs[i] = std::move(pair);
     }
     progress.end_stage(fmt::format("{} shots", shots.size()));
 
@@ -166,14 +168,17 @@ Comparison compare_maps(const Capture& capture,
     DifferenceSums heldout;
     for (std::size_t i = 0; i < shots.size(); ++i) {
         (shots[i].heldout ? heldout : used) += sums[i];
-        comparison.per_shot.push_back(
-            {i,
-             shots[i].image,
-             shots[i].heldout,
-             sums[i].result(comparison.white).value_or(ImageComparison{})});
         if (folder) {
-            write_pictures(folder->path(), fmt::format("shot{:03}", i), pairs[i], comparison.white);
+            write_pictures(
+                folder->path(), fmt::format("shot{:03}", i), *pairs[i], comparison.white);
         }
+        ShotComparison shot;
+        shot.shot = i;
+        shot.image = shots[i].image;
+        shot.heldout = shots[i].heldout;
+        shot.difference = sums[i].result(comparison.white).value_or(ImageComparison{});
+        if (options.keep_heldout && shots[i].heldout) shot.images = std::move(pairs[i]);
+        comparison.per_shot.push_back(std::move(shot));
     }
     comparison.shots = used.result(comparison.white);
     comparison.heldout = heldout.result(comparison.white);

@@ -23,6 +23,8 @@ inline constexpr double kMaxLevel = 255;
 
 struct CompareOptions {
     ShotRenderOptions render;
+    int heldout_sample_factor = 1;   // held-out shots get this many times as many paths; >= 1
+    bool keep_heldout = false;       // leave the images of held-out shots in the result
     std::optional<double> white;     // radiance of level 255 [radiance]; nothing: as said above
     std::filesystem::path pictures;  // folder for real, synthetic and difference; empty: none
 };
@@ -46,11 +48,19 @@ struct MapComparison {
     std::size_t num_texels = 0;
 };
 
+// One shot, real and rendered [radiance], and which of its pixels count.
+struct ShotPair {
+    Image real;
+    Image synthetic;
+    std::vector<std::uint8_t> counts;
+};
+
 struct ShotComparison {
     std::size_t shot = 0;
     std::string image;
     bool heldout = false;
     ImageComparison difference;
+    std::optional<ShotPair> images;  // of held-out shots, on request
 };
 
 struct Comparison {

@@ -1,4 +1,4 @@
-// Radiance as pictures to look at.
+// Pictures to look at that belong to no page.
 #pragma once
 
 #include "patina/image/image.h"
@@ -10,10 +10,6 @@
 
 namespace patina {
 
-// Values / white, clamped to [0, 1], in the sRGB curve. radiance: three channels, or one, which
-// becomes grey.
-[[nodiscard]] Image display_picture(const Image& radiance, double white);
-
 // Level 255 is a difference of this share of white.
 inline constexpr double kDifferenceRange = 0.1;
 // |synthetic - real| / (kDifferenceRange white), clamped to [0, 1], linear; black where a pixel
@@ -23,8 +19,9 @@ inline constexpr double kDifferenceRange = 0.1;
                                        std::span<const std::uint8_t> counts,
                                        double white);
 
-// Pictures of equal or different sizes side by side in a grid of about the shape of a page, each
-// reduced by whole factors to at most `cell` pixels across, on dark grey.
+// sRGB pictures of three channels and any sizes side by side in a grid of about the shape of a
+// page, each reduced by a whole factor to at most `cell` pixels in width, on dark grey. At least
+// one.
 [[nodiscard]] Image contact_sheet(const std::vector<Image>& pictures, int cell);
 
 }  // namespace patina

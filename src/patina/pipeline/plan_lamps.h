@@ -1,0 +1,33 @@
+// `patina plan`: which lamp positions to take, for a capture or a rig.
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/capture/json.h"
+#include "patina/pipeline/options.h"
+#include "patina/plan/greedy_cover.h"
+
+#include <filesystem>
+#include <string>
+
+namespace patina {
+
+// What the command line says of a plan.
+struct PlanOptions {
+    CoverOptions cover;
+    std::string taken;             // ids of lamps that were shot already, with commas between
+    std::filesystem::path output;  // folder for a rig of the chosen lamps; empty: none
+};
+[[nodiscard]] OptionTable plan_option_table(PlanOptions& options);
+
+// path: a capture, or a folder with a rig.json, or that file. Throws Error, WorkFailed,
+// Interrupted.
+[[nodiscard]] Json plan_lamps(const std::filesystem::path& path,
+                              const PlanOptions& options,
+                              Progress& progress);
+
+[[nodiscard]] std::string plan_text(const Json& plan);
+
+// Reads a capture or a rig, whichever the path holds.
+[[nodiscard]] CaptureDescription read_capture_or_rig(const std::filesystem::path& path);
+
+}  // namespace patina
