@@ -16,13 +16,8 @@ constexpr const char* kMinus = "\u2212";
 constexpr const char* kMissing = "\u2013";
 constexpr double kSmallest = 1e-3;
 constexpr double kLargest = 1e7;
-
-std::string superscript(int number) {
-    static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
-    std::string text;
-    for (const char c : std::to_string(number)) text += c == '-' ? "⁻" : kDigits[c - '0'];
-    return text;
-}
+// Tables of more columns are set closer.
+constexpr std::size_t kMaxWideColumns = 10;
 
 // digits: of a whole number without sign.
 std::string group_thousands(const std::string& digits) {
@@ -48,7 +43,7 @@ std::string format_plain(double magnitude, int digits) {
 std::string format_power(double magnitude, int digits) {
     const std::string text = fmt::format("{:.{}e}", magnitude, digits - 1);
     const std::size_t e = text.find('e');
-    return text.substr(0, e) + "×10" + superscript(std::atoi(text.c_str() + e + 1));
+    return text.substr(0, e) + "×" + format_power_of_ten(std::atoi(text.c_str() + e + 1));
 }
 
 std::string table_head(const HtmlTable& table) {
@@ -136,6 +131,13 @@ std::string format_number(double value, int digits) {
     return value < 0 ? kMinus + text : text;
 }
 
+std::string format_power_of_ten(int exponent) {
+    static constexpr const char* kDigits[] = {"⁰", "¹", "²", "³", "⁴", "⁵", "⁶", "⁷", "⁸", "⁹"};
+    std::string text = "10";
+    for (const char c : std::to_string(exponent)) text += c == '-' ? "⁻" : kDigits[c - '0'];
+    return text;
+}
+
 std::string format_percent(double share, bool with_sign) {
     if (!std::isfinite(share)) return kMissing;
     const std::string text = fmt::format("{:.1f}{}%", std::abs(100 * share), kThinSpace);
@@ -150,7 +152,9 @@ std::string format_seconds(double seconds) {
 }
 
 std::string html_table(const HtmlTable& table) {
-    std::string html = "<div class=\"scroll\"><table>" + table_head(table) + "<tbody>";
+    const char* begin =
+        table.columns.size() > kMaxWideColumns ? "<table class=\"dense\">" : "<table>";
+    std::string html = "<div class=\"scroll\">" + (begin + table_head(table)) + "<tbody>";
     const std::vector<bool> starts_group = group_starts(table);
     for (const HtmlTable::Row& row : table.rows) html += table_row(row, starts_group);
     return html + "</tbody></table></div>\n";

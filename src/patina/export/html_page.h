@@ -16,6 +16,8 @@ namespace patina {
 // powers of ten below 0.001 and from 10 million on; an en dash for what is not finite. digits:
 // >= 1.
 [[nodiscard]] std::string format_number(double value, int digits = 3);
+// "10⁻⁴".
+[[nodiscard]] std::string format_power_of_ten(int exponent);
 // A share as per cent with one decimal and a sign where asked for: "12.3 %".
 [[nodiscard]] std::string format_percent(double share, bool with_sign = false);
 // Wall time: "0.42 s", "12.3 s", "3 min 20 s".

@@ -43,7 +43,7 @@ PlotSeries profile_series(const std::string& label, const std::vector<double>& m
     return series;
 }
 
-std::string profile_figure(const ObjectReport& object) {
+std::string profile_figure(const ReportData& data, const ObjectReport& object) {
     std::array<Plot, 3> panels;
     const auto add = [&](const std::string& label, const ReportMaps& maps, int color, bool dashed) {
         if (maps.diffuse.channels != 3) return;
@@ -79,14 +79,14 @@ std::string profile_figure(const ObjectReport& object) {
     if (charts.empty()) return "";
     return html_figure(
         plot_legend(panels[0].series) + "<div class=\"row\">" + charts + "</div>",
-        "The paper\u2019s Figure 5: Pd along the vertical of " + object.title +
+        figure_name(data, "Figure 5") + "Pd along the vertical of " + object.title +
             ", averaged along the horizontal. Both plates have one material, so the curves should "
             "be level. Light that bounced between the plates raises them towards the edge until it "
             "is taken out.");
 }
 
-// Measurable shares over the number of lamps.
-std::string share_plot(const SelectionReport& selection) {
+// Measurable shares over the number of lamps, and where they stand.
+std::string selection_charts(const SelectionReport& selection) {
     Plot plot;
     plot.title = "Measurable texels";
     plot.x_axis = {"lamps, in the order of choice"};
@@ -111,7 +111,8 @@ std::string share_plot(const SelectionReport& selection) {
                    specular,
                    with_all(diffuse, selection.share_with_all.first),
                    with_all(specular, selection.share_with_all.second)};
-    return "<div>" + svg_plot(plot) + plot_legend(plot.series) + "</div>";
+    return plot_legend(plot.series) + "<div class=\"row\">" + svg_plot(plot) + lamp_map(selection) +
+           "</div>";
 }
 
 std::string selection_table(const ReportData& data) {
@@ -122,12 +123,12 @@ std::string selection_table(const ReportData& data) {
                      "specular measurable",
                      "with all",
                      "lamps (for diffuse)",
-                     "of"};
+                     "candidates"};
     for (const ObjectReport& object : data.objects) {
         if (!object.selection) continue;
         const SelectionReport& s = *object.selection;
         const auto reached = s.shares.empty() ? std::pair(0.0, 0.0) : s.shares.back();
-        table.rows.push_back({{object.title,
+        table.rows.push_back({{capitalized(object.title),
                                format_percent(reached.first),
                                format_percent(s.share_with_all.first),
                                format_percent(reached.second),
@@ -219,8 +220,8 @@ std::string convergence_figure(const ObjectReport& object) {
     std::string html = object_heading(object);
     std::string body = convergence_table(object, loops);
     if (!error.series.empty()) {
-        body = "<div class=\"row\">" + svg_plot(error) + svg_plot(change) + "</div>" +
-               plot_legend(error.series) + body;
+        body = plot_legend(error.series) + "<div class=\"row\">" + svg_plot(error) +
+               svg_plot(change) + "</div>" + body;
     }
     return html +
            html_figure(body,
@@ -235,7 +236,7 @@ std::string convergence_figure(const ObjectReport& object) {
 std::string profile_section(const ReportData& data) {
     std::string html;
     for (const ObjectReport& object : data.objects) {
-        if (object.profile_edge) html += profile_figure(object);
+        if (object.profile_edge) html += profile_figure(data, object);
     }
     return html;
 }
@@ -246,8 +247,7 @@ std::string selection_section(const ReportData& data) {
         if (!object.selection || object.selection->candidates.empty()) continue;
         figures += object_heading(object);
         figures += html_figure(
-            "<div class=\"row\">" + share_plot(*object.selection) + lamp_map(*object.selection) +
-                "</div>",
+            selection_charts(*object.selection),
             "Left: what the lamps chosen so far make measurable. Right: the candidates as seen "
             "from "
             "the object, numbered in the order of choice; the blue ones alone suffice for the "
@@ -256,10 +256,11 @@ std::string selection_section(const ReportData& data) {
     if (figures.empty()) return "";
     return html_figure(
                selection_table(data),
-               "The paper\u2019s Figure 4(d): share of the seen texels at which each component "
-               "can be measured with the chosen lamps and with all candidates, and the number "
-               "of lamps; in brackets those that suffice for the diffuse component. Diffuse "
-               "needs one lamp away from the highlight, specular two near it.") +
+               figure_name(data, "Figure 4(d)") +
+                   "Share of the seen texels at which each component "
+                   "can be measured with the chosen lamps and with all candidates, and the number "
+                   "of lamps; in brackets those that suffice for the diffuse component. Diffuse "
+                   "needs one lamp away from the highlight, specular two near it.") +
            figures;
 }
 

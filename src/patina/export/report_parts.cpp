@@ -54,6 +54,10 @@ std::string object_heading(const ObjectReport& object) {
     return "<h3>" + escape_html(capitalized(object.title)) + "</h3>\n";
 }
 
+std::string figure_name(const ReportData& data, const std::string& name) {
+    return data.paper_experiments ? "The paper\u2019s " + name + ". " : "";
+}
+
 PixelMask status_mask(const ReportMaps& maps, int low, int high) {
     PixelMask mask;
     for (const float status : maps.status.data) {

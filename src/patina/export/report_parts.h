@@ -20,6 +20,9 @@ namespace patina {
 // The heading of an object's part of a section.
 [[nodiscard]] std::string object_heading(const ObjectReport& object);
 
+// How a caption begins: "The paper's Figure 6. " in a report on the paper's experiments, else "".
+[[nodiscard]] std::string figure_name(const ReportData& data, const std::string& name);
+
 // Pixels of these status values; empty (all) when the maps have no status.
 [[nodiscard]] PixelMask status_mask(const ReportMaps& maps, int low, int high);
 

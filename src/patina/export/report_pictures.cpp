@@ -135,13 +135,12 @@ std::string images_figure(const ReportData& data, const ObjectReport& object) {
         cells += picture_html(colored_image(reduce(row.difference, width), color),
                               "difference of " + object.title + ", " + label);
     }
-    return html_figure(
-        picture_grid(2, object.real, kMaxImageHeight, cells),
-        "The paper\u2019s Figure 6 for " + object.title +
-            ": blue where the synthetic image is too dark, red-brown where it is too "
-            "bright, one scale for all methods; grey where Pd is not measured. Look "
-            "at the creases: what is left there is bounced light that a method "
-            "does not know of. Images are shown with the sRGB curve.");
+    return html_figure(picture_grid(2, object.real, kMaxImageHeight, cells),
+                       figure_name(data, "Figure 6") +
+                           "Blue where the synthetic image is too dark, red-brown where it is too "
+                           "bright, one scale for all methods; grey where Pd is not measured. Look "
+                           "at the creases: what is left there is bounced light that a method "
+                           "does not know of. Images are shown with the sRGB curve.");
 }
 
 // Estimate over truth minus 1, mean over the channels.
@@ -283,10 +282,9 @@ std::string maps_figure(const ReportData& data, const ObjectReport& object) {
     const int columns = scales.truth_diffuse != nullptr ? 5 : 4;
     return html_figure(
         picture_grid(columns, reference.diffuse, kMaxMapHeight, cells) + status_bars(object),
-        "Maps of " + object.title +
-            " in the texel domain; grey is off the surface. Pd is shown as a colour with the sRGB "
-            "curve, white is 1. Where the lobe is not measured, Ps and \u03c3 are filled from "
-            "around.");
+        "Maps in the texel domain; grey is off the surface. Pd is shown as a colour with the sRGB "
+        "curve, white is 1. Where the lobe is not measured, Ps and \u03c3 are filled from "
+        "around.");
 }
 
 }  // namespace

@@ -242,9 +242,8 @@ std::string truth_section(const ReportData& data) {
     table.columns = {"Method"};
     for (const TruthColumn& column : kTruthColumns) {
         table.groups.emplace_back(column.title, with_coverage ? 4 : 3);
-        for (const char* title : {"mean", "median |error|", "rms"})
-            table.columns.emplace_back(title);
-        if (with_coverage) table.columns.emplace_back("in 68 / 95 %");
+        for (const char* title : {"mean", "median", "rms"}) table.columns.emplace_back(title);
+        if (with_coverage) table.columns.emplace_back("68 / 95 %");
     }
     for (const ObjectReport& object : data.objects) {
         const auto begin = table.rows.size();
@@ -266,9 +265,12 @@ std::string truth_section(const ReportData& data) {
     return html_figure(
         html_table(table),
         "Errors of the maps. Mean: mean(estimate \u2212 truth) / mean(truth), where bounced light "
-        "shows as a bias. Median |error|: relative, per texel. Rms: in the map\u2019s own unit "
-        "(\u03c3 "
-        "in radians). Pd over all texels where it is measured, Ps and \u03c3 where the lobe is.");
+        "shows as a bias. Median: of |estimate \u2212 truth| / truth. Rms: root mean square, in "
+        "the "
+        "map\u2019s own unit (\u03c3 in radians)." +
+            std::string(with_coverage ? " 68 / 95 %: how often the stated intervals hold the truth."
+                                      : "") +
+            " Pd over all texels where it is measured, Ps and \u03c3 where the lobe is.");
 }
 
 std::string times_section(const ReportData& data) {

@@ -141,6 +141,7 @@ TEST(ReportPage, ThePapersFiguresAppearForItsExperimentsAlone) {
     data.paper_experiments = false;
     const std::string page = report_page(data);
     EXPECT_THAT(page, Not(HasSubstr("493.3")));
+    EXPECT_THAT(page, Not(HasSubstr("The paper\u2019s Figure")));
     EXPECT_THAT(page, Not(HasSubstr("Table 1")));
     EXPECT_THAT(page, HasSubstr("<section id=\"differences\">"));
 }

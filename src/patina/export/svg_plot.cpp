@@ -166,6 +166,17 @@ std::string draw_series(const PlotSeries& series, const Scale& x, const Scale& y
                        markers);
 }
 
+// Whether all ticks are powers of ten that read badly in full.
+bool are_large_powers(const std::vector<double>& ticks) {
+    constexpr double kPlainLow = 0.01;
+    constexpr double kPlainHigh = 1000;
+    return (ticks.front() < kPlainLow || ticks.back() > kPlainHigh) &&
+           std::all_of(ticks.begin(), ticks.end(), [](double tick) {
+               const double exponent = std::log10(tick);
+               return std::abs(exponent - std::round(exponent)) < kTickSlack;
+           });
+}
+
 }  // namespace
 
 std::vector<double> linear_ticks(double low, double high, int max_count) {
@@ -205,6 +216,12 @@ std::vector<double> logarithmic_ticks(double low, double high, int max_count) {
 
 std::vector<std::string> tick_labels(const std::vector<double>& ticks, AxisScale kind) {
     std::vector<std::string> labels;
+    if (kind == AxisScale::logarithmic && !ticks.empty() && are_large_powers(ticks)) {
+        for (const double tick : ticks) {
+            labels.push_back(format_power_of_ten(int(std::lround(std::log10(tick)))));
+        }
+        return labels;
+    }
     double step = 1;
     double largest = 0;
     for (std::size_t i = 0; i < ticks.size(); ++i) {

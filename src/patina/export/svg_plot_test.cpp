@@ -66,7 +66,10 @@ TEST(TickLabels, HaveTheDecimalsOfTheirStep) {
     EXPECT_THAT(tick_labels({-20, 0, 20}), ElementsAre("\u221220", "0", "20"));
     EXPECT_THAT(tick_labels({0.13, 0.14}), ElementsAre("0.13", "0.14"));
     EXPECT_THAT(tick_labels({1e-5, 1e-4, 1e-3}, AxisScale::logarithmic),
-                ElementsAre("1×10⁻⁵", "1×10⁻⁴", "0.001"));
+                ElementsAre("10⁻⁵", "10⁻⁴", "10⁻³"));
+    EXPECT_THAT(tick_labels({0.1, 1, 10}, AxisScale::logarithmic), ElementsAre("0.1", "1", "10"));
+    EXPECT_THAT(tick_labels({0.005, 0.01, 0.02}, AxisScale::logarithmic),
+                ElementsAre("0.005", "0.01", "0.02"));
     for (const double high : {0.003, 0.7, 12.0, 9000.0, 3e6}) {
         const std::vector<std::string> labels = tick_labels(linear_ticks(0, high, 6));
         EXPECT_EQ(std::set<std::string>(labels.begin(), labels.end()).size(), labels.size());
