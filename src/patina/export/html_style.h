@@ -58,7 +58,7 @@ thead th { color: var(--soft); font-size: 0.84rem; border-bottom: 1px solid var(
 thead .groups th + th { border-left: 1px solid var(--rule); }
 thead .groups th { color: var(--ink); font-weight: 650; text-align: center; border-bottom: 1px solid var(--rule); }
 td.start { border-left: 1px solid var(--rule); }
-table.dense { font-size: 0.86rem; } .dense th, .dense td { padding-left: 0.55rem; padding-right: 0.55rem; }
+table.dense { font-size: 0.86rem; } .dense th + th, .dense td { padding-left: 0.55rem; padding-right: 0.55rem; }
 tbody tr.heading th { font-weight: 650; padding-top: 0.9rem; text-align: left; }
 tbody tr:not(.heading) + tr:not(.heading) { border-top: 1px solid var(--grid); }
 tbody tr.strong th, tbody tr.strong td { font-weight: 650; background: var(--mark); }

@@ -17,16 +17,6 @@ constexpr std::array<KnownMethod, 4> kMethods = {{{"direct", "Conventional I (di
                                                   {"gather", "Ours (gather)", 4}}};
 constexpr int kOtherColor = 5;
 
-struct PaperRow {
-    const char* object;
-    const char* method;
-    PaperDifference difference;
-};
-constexpr std::array<PaperRow, 4> kPaperTable1 = {{{"B", "diffuse", {8.7, 493.3}},
-                                                   {"B", "photon", {0.51, 3.2}},
-                                                   {"C", "diffuse", {13.3, 375.2}},
-                                                   {"C", "photon", {0.92, 9.8}}}};
-
 const KnownMethod* known(const std::string& method) {
     const auto found = std::find_if(
         kMethods.begin(), kMethods.end(), [&](const KnownMethod& m) { return m.method == method; });
@@ -71,13 +61,6 @@ const MethodReport* find_method(const ObjectReport& object, const std::string& m
                                     object.methods.end(),
                                     [&](const MethodReport& m) { return m.method == method; });
     return found == object.methods.end() ? nullptr : &*found;
-}
-
-std::optional<PaperDifference> paper_table_1(const std::string& object, const std::string& method) {
-    for (const PaperRow& row : kPaperTable1) {
-        if (row.object == object && row.method == method) return row.difference;
-    }
-    return std::nullopt;
 }
 
 }  // namespace patina

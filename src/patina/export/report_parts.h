@@ -5,7 +5,6 @@
 #include "patina/export/picture.h"
 #include "patina/export/report.h"
 
-#include <optional>
 #include <string>
 
 namespace patina {
@@ -29,15 +28,6 @@ namespace patina {
 // The method of that name; null where there is none.
 [[nodiscard]] const MethodReport* find_method(const ObjectReport& object,
                                               const std::string& method);
-
-// Table 1 of the paper: of |real - synthetic| [levels], [levels^2].
-struct PaperDifference {
-    double levels_mean = 0;
-    double levels_variance = 0;
-};
-// For objects "B" and "C" and methods "diffuse" and "photon" alone.
-[[nodiscard]] std::optional<PaperDifference> paper_table_1(const std::string& object,
-                                                           const std::string& method);
 
 // The sections, each empty when no object has the data for it.
 [[nodiscard]] std::string glance_section(const ReportData& data);

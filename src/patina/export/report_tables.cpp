@@ -1,5 +1,6 @@
 // The sections of the report that are tables: Table 1, errors against the truth, times, and the
 // few numbers to see first.
+#include "patina/export/paper_table.h"
 #include "patina/export/report_parts.h"
 
 #include <fmt/format.h>

@@ -4,7 +4,7 @@
 #include "patina/base/test_folder.h"
 #include "patina/export/lamp_map.h"
 #include "patina/export/page_checks.h"
-#include "patina/export/report_parts.h"
+#include "patina/export/paper_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
