@@ -20,9 +20,10 @@ namespace {
 constexpr double kSpecularRelativeError = 0.2;
 constexpr double kSpecularAbsoluteError = 0.01;
 constexpr double kSpecularDetection = 3.0;
-// Pixel classes and measurability are settled after so many turns: what flips to and fro would keep
-// the iteration from coming to rest.
-constexpr int kFreezeAfter = 12;
+constexpr double kStayMeasured = 1.5;
+// After so many turns no texel's lobe becomes measured any more: what comes and goes would keep the
+// iteration from coming to rest.
+constexpr int kSettleAfter = 8;
 // Method I alternates (a) and (b) without any transport; it needs no more turns than this.
 constexpr int kDirectIterations = 12;
 // Method II before method photon is only a start: it may stop this much earlier.
@@ -112,7 +113,7 @@ class Iteration {
     [[nodiscard]] Estimate finish() {
         // Errors are those of the last turn's light and the final maps.
         result_.errors.resize(num_texels_);
-        result_.status.assign(num_texels_, TexelStatus::unobserved);
+        result_.status.assign(num_texels_, TexelStatus::filled);
         result_.indirect_over_direct.assign(num_texels_, 0.0f);
         parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
             std::vector<FitRow> rows;
@@ -144,7 +145,8 @@ class Iteration {
                 variance += (result_.maps[texel].diffuse / kPi).square() * row.irradiance_variance;
             }
             if (!light.lobe.empty())
-                row.indirect_lobe = light.lobe[look.shot][texel].cast<double>();
+                row.indirect_lobe = light.lobe[look.shot][texel];
+            row.indirect_roughness = result_.maps[texel].roughness;
             row.weight = 1 / variance.max(kSmallestVariance);
         }
     }
@@ -155,7 +157,7 @@ class Iteration {
                            const IndirectLight& light,
                            bool has_maps,
                            int turn) {
-        const bool frozen = turn >= kFreezeAfter;
+        const bool settled = turn >= kSettleAfter;
         const std::size_t num_blocks = (num_texels_ + kParallelBlock - 1) / kParallelBlock;
         std::vector<TurnSums> sums(num_blocks);
         parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
@@ -166,13 +168,13 @@ class Iteration {
                     sums[begin / kParallelBlock] +=
                         {(row.radiance - predict(row, result_.maps[i])).square().sum(), 3.0};
                 }
-                assign_classes(i, has_maps, frozen, rows);
-                fit_texel(i, rows, frozen);
+                assign_classes(i, has_maps, rows);
+                fit_texel(i, rows, settled);
             }
         });
         TurnSums total;
         for (const TurnSums& block : sums) total += block;
-        if (!frozen) update_noise_scale();
+        if (!settled) update_noise_scale();
         fill_unmeasured(light);
 
         IterationLog log;
@@ -188,43 +190,61 @@ class Iteration {
         return log;
     }
 
-    void assign_classes(std::size_t texel, bool has_maps, bool frozen, std::vector<FitRow>& rows) {
+    void assign_classes(std::size_t texel, bool has_maps, std::vector<FitRow>& rows) {
         PixelClass* const stored = classes_.data() + observations_.begin[texel];
         for (std::size_t k = 0; k < rows.size(); ++k) {
-            if (!frozen) stored[k] = classify(rows[k], result_.maps[texel], has_maps, options_.fit);
+            stored[k] =
+                has_maps ? classify_by_share(rows[k], result_.maps[texel], stored[k], options_.fit)
+                         : classify_by_angle(rows[k], options_.fit);
             rows[k].pixel_class = stored[k];
         }
     }
 
-    void fit_texel(std::size_t texel, const std::vector<FitRow>& rows, bool frozen) {
+    void fit_texel(std::size_t texel, const std::vector<FitRow>& rows, bool settled) {
         TexelFit& fit = fits_[texel];
         fit.observed = !rows.empty();
         if (rows.empty()) return;
         const Reflectance& present = result_.maps[texel];
-        fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
-        const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options_.fit);
-        fit.reflectance.specular = lobe.specular;
-        fit.reflectance.roughness = lobe.has_rows ? lobe.roughness : present.roughness;
-        if (frozen) return;
+        bool has_lobe = true;
+        if (has_diffuse_row(rows)) {
+            fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
+            const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options_.fit);
+            fit.reflectance.specular = lobe.specular;
+            fit.reflectance.roughness = lobe.has_rows ? lobe.roughness : present.roughness;
+            has_lobe = lobe.has_rows;
+        } else {
+            fit.reflectance = fit_jointly(rows, options_.fit);
+        }
         const FitErrors errors = fit_errors(rows, fit.reflectance);
         fit.misfit = errors.misfit;
-        judge(errors, lobe.has_rows, fit);
+        if (has_lobe) {
+            judge(errors, settled, fit);
+        } else {
+            fit.specular_measured = fit.roughness_measured = false;
+        }
+        // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
+        if (!fit.specular_measured) {
+            fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
+        }
     }
 
-    // Which of the texel's lobe parameters count as measured.
-    void judge(const FitErrors& errors, bool has_rows, TexelFit& fit) const {
+    // Which of the texel's lobe parameters count as measured. What was measured before stays so
+    // until it misses the mark by half; once settled, what was not measured stays out.
+    void judge(const FitErrors& errors, bool settled, TexelFit& fit) const {
         const double ps = fit.reflectance.specular;
+        const auto holds = [&](bool before, double error, double limit) {
+            return before ? error < kStayMeasured * limit : !settled && error < limit;
+        };
         const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
         const double error = errors.specular * result_.noise_scale;
-        const bool glossy = ps > kSpecularDetection * error;
-        fit.roughness_measured = has_rows && glossy && error < limit;
-        fit.specular_measured = fit.roughness_measured;
-        if (fit.roughness_measured || !has_rows) return;
+        const double detection = ps / kSpecularDetection;
+        fit.roughness_measured = holds(fit.roughness_measured, error, std::min(limit, detection));
         // Not told from zero: measured, to be matte, if no lobe of ordinary width would have
         // escaped.
         const double matte_error = errors.specular_sigma_known * result_.noise_scale;
-        fit.specular_measured =
-            ps < kSpecularDetection * matte_error && matte_error < kSpecularAbsoluteError;
+        const bool matte = ps < kSpecularDetection * matte_error &&
+                           holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
+        fit.specular_measured = fit.roughness_measured || matte;
     }
 
     void update_noise_scale() {
@@ -323,7 +343,7 @@ class Iteration {
             if (fit.specular_measured) error.specular = scale * errors.specular_sigma_known;
         }
         result_.status[texel] =
-            fit.specular_measured ? TexelStatus::measured : TexelStatus::lobe_filled;
+            fit.specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         double direct = 0;
         double whole = 0;
         for (const FitRow& row : rows) {

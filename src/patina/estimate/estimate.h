@@ -6,6 +6,7 @@
 
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
+#include "patina/capture/result_folder.h"
 #include "patina/estimate/observations.h"
 #include "patina/estimate/texel_fit.h"
 #include "patina/transport/ratio_kernel.h"
@@ -32,13 +33,6 @@ struct EstimateOptions {
     int max_iterations = 60;  // of the outer loop, for each of methods II and photon; >= 1
     double threshold = 0;     // stop when E of equation (5) falls below it [radiance^2]; >= 0
     double tolerance = 1e-4;  // stop when maps and E change by less, relative [-]; > 0
-};
-
-enum class TexelStatus : std::uint8_t {
-    off_surface = 0,
-    measured = 1,
-    lobe_filled = 2,
-    unobserved = 3
 };
 
 // One turn of the outer loop.

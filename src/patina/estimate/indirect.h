@@ -12,9 +12,9 @@ namespace patina {
 
 // Indirect light under one set of maps. Empty vectors: none is known of (method I).
 struct IndirectLight {
-    std::vector<IndirectIrradiance> irradiance;  // per lamp set
-    std::vector<std::vector<Rgbf>> lobe;  // per used shot, see indirect_lobe(); empty: not wanted
-    double spectral_radius = 0;           // lambda of the maps [-]
+    std::vector<IndirectIrradiance> irradiance;   // per lamp set
+    std::vector<std::vector<IndirectLobe>> lobe;  // per used shot; empty: not wanted
+    double spectral_radius = 0;                   // lambda of the maps [-]
     bool retraced = false;
 };
 

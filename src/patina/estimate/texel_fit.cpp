@@ -90,7 +90,65 @@ double golden_section(double low, double high, const Cost& cost) {
     return cost_a < cost_b ? a : b;
 }
 
-// Derivative of lobe_basis() with respect to sigma; of the direct light alone.
+// sigma of the smallest cost: a logarithmic grid, then golden sections about its best point.
+template <typename Cost>
+double best_roughness(const FitOptions& options, const Cost& cost) {
+    const double low = std::log(options.min_roughness);
+    const double step = (std::log(options.max_roughness) - low) / (kRoughnessGrid - 1);
+    int best = 0;
+    double best_cost = kInfinity;
+    for (int i = 0; i < kRoughnessGrid; ++i) {
+        const double at = cost(std::exp(low + i * step));
+        if (at < best_cost) {
+            best_cost = at;
+            best = i;
+        }
+    }
+    return std::exp(
+        golden_section(low + std::max(best - 1, 0) * step,
+                       low + std::min(best + 1, kRoughnessGrid - 1) * step,
+                       [&cost](double log_roughness) { return cost(std::exp(log_roughness)); }));
+}
+
+// Weighted sums of the joint fit for one sigma; Pd is projected out of Ps (arrow normal equations).
+class JointSums {
+  public:
+    JointSums(std::span<const FitRow> rows, double roughness) {
+        for (const FitRow& row : rows) {
+            const Rgb h = row.irradiance / kPi;
+            const Rgb b = lobe_basis(row, roughness) / kPi;
+            hh_ += row.weight *
+                   (h * h - (row.irradiance_variance / square(kPi)).min(kMaxNoiseShare * h * h));
+            hb_ += row.weight * h * b;
+            bb_ += row.weight * b * b;
+            ho_ += row.weight * h * row.radiance;
+            bo_ += row.weight * b * row.radiance;
+            oo_ += row.weight * row.radiance * row.radiance;
+        }
+    }
+
+    [[nodiscard]] double specular() const {
+        const Rgb inverse = (hh_ > 0).select(1 / hh_, 0.0);
+        const double information = (bb_ - hb_ * hb_ * inverse).sum();
+        return information > 0 ? std::max(0.0, (bo_ - hb_ * ho_ * inverse).sum() / information)
+                               : 0.0;
+    }
+    [[nodiscard]] Rgb diffuse(double specular) const {
+        return (hh_ > 0).select((ho_ - specular * hb_) / hh_, 0.0).max(0.0);
+    }
+    [[nodiscard]] double cost() const {
+        const double ps = specular();
+        const Rgb pd = diffuse(ps);
+        return (oo_ - 2 * (pd * ho_ + ps * bo_) + pd * pd * hh_ + 2 * ps * pd * hb_ + ps * ps * bb_)
+            .sum();
+    }
+
+  private:
+    Rgb hh_ = Rgb::Zero(), hb_ = Rgb::Zero(), bb_ = Rgb::Zero();
+    Rgb ho_ = Rgb::Zero(), bo_ = Rgb::Zero(), oo_ = Rgb::Zero();
+};
+
+// Derivative of direct_lobe_basis() with respect to sigma.
 Rgb lobe_basis_by_roughness(const FitRow& row, double roughness) {
     Rgb sum = Rgb::Zero();
     for (const LampTerm& lamp : row.lamps) {
@@ -109,13 +167,22 @@ struct ChannelInformation {
 
 }  // namespace
 
-Rgb lobe_basis(const FitRow& row, double roughness) {
-    Rgb sum = row.indirect_lobe;
+Rgb direct_lobe_basis(const FitRow& row, double roughness) {
+    Rgb sum = Rgb::Zero();
     for (const LampTerm& lamp : row.lamps) {
         sum += lamp.irradiance.cast<double>() *
                (double(lamp.lobe_cosines) * lobe_gaussian(double(lamp.theta_r_squared), roughness));
     }
     return sum;
+}
+
+Rgb lobe_basis(const FitRow& row, double roughness) {
+    const IndirectLobe& lobe = row.indirect_lobe;
+    if (lobe.twice.isZero()) return direct_lobe_basis(row, roughness);
+    const auto octave = float(std::clamp(std::log2(roughness / row.indirect_roughness), -1.0, 1.0));
+    const Rgbf over_square = octave < 0 ? Rgbf(lobe.same - octave * (lobe.half - lobe.same))
+                                        : Rgbf(lobe.same + octave * (lobe.twice - lobe.same));
+    return direct_lobe_basis(row, roughness) + over_square.cast<double>() * square(roughness);
 }
 
 Rgb predict(const FitRow& row, const Reflectance& reflectance) {
@@ -124,20 +191,25 @@ Rgb predict(const FitRow& row, const Reflectance& reflectance) {
            kPi;
 }
 
-PixelClass classify(const FitRow& row,
-                    const Reflectance& present,
-                    bool has_maps,
-                    const FitOptions& options) {
-    if (!has_maps) {
-        if (row.theta_r > 3.5 * options.initial_roughness) return PixelClass::diffuse;
-        return row.theta_r < 2.0 * options.initial_roughness ? PixelClass::specular
-                                                             : PixelClass::neither;
-    }
+PixelClass classify_by_angle(const FitRow& row, const FitOptions& options) {
+    if (row.theta_r > 3.5 * options.initial_roughness) return PixelClass::diffuse;
+    return row.theta_r < 2.0 * options.initial_roughness ? PixelClass::specular
+                                                         : PixelClass::neither;
+}
+
+PixelClass classify_by_share(const FitRow& row,
+                             const Reflectance& present,
+                             PixelClass previous,
+                             const FitOptions& options) {
     const double lobe = present.specular * lobe_basis(row, present.roughness).mean();
     const double whole = (present.diffuse * row.irradiance).mean() + lobe;
     const double share = whole > 0 ? lobe / whole : 0;
-    if (share < options.diffuse_share) return PixelClass::diffuse;
-    return share > options.specular_share ? PixelClass::specular : PixelClass::neither;
+    const double diffuse_limit =
+        options.diffuse_share * (previous == PixelClass::diffuse ? 1.5 : 1.0);
+    const double specular_limit =
+        options.specular_share / (previous == PixelClass::specular ? 1.5 : 1.0);
+    if (share < diffuse_limit) return PixelClass::diffuse;
+    return share > specular_limit ? PixelClass::specular : PixelClass::neither;
 }
 
 Rgb fit_diffuse(std::span<const FitRow> rows,
@@ -171,27 +243,27 @@ SpecularFit fit_specular(std::span<const FitRow> rows,
                          const FitOptions& options) {
     const auto use = [&options](const FitRow& row) { return in_lobe(row, options); };
     if (std::none_of(rows.begin(), rows.end(), use)) return {};
-    const auto cost = [&](double log_roughness) {
-        return lobe_sums(rows, diffuse, std::exp(log_roughness), use).cost();
-    };
-    const double low = std::log(options.min_roughness);
-    const double step = (std::log(options.max_roughness) - low) / (kRoughnessGrid - 1);
-    int best = 0;
-    double best_cost = kInfinity;
-    for (int i = 0; i < kRoughnessGrid; ++i) {
-        const double at = cost(low + i * step);
-        if (at < best_cost) {
-            best_cost = at;
-            best = i;
-        }
-    }
-    const double log_roughness = golden_section(low + std::max(best - 1, 0) * step,
-                                                low + std::min(best + 1, kRoughnessGrid - 1) * step,
-                                                cost);
     SpecularFit fit;
-    fit.roughness = std::exp(log_roughness);
+    fit.roughness = best_roughness(
+        options, [&](double roughness) { return lobe_sums(rows, diffuse, roughness, use).cost(); });
     fit.specular = lobe_sums(rows, diffuse, fit.roughness, use).specular();
     fit.has_rows = true;
+    return fit;
+}
+
+bool has_diffuse_row(std::span<const FitRow> rows) {
+    return std::any_of(rows.begin(), rows.end(), [](const FitRow& row) {
+        return row.pixel_class == PixelClass::diffuse;
+    });
+}
+
+Reflectance fit_jointly(std::span<const FitRow> rows, const FitOptions& options) {
+    Reflectance fit;
+    fit.roughness = best_roughness(
+        options, [&](double roughness) { return JointSums(rows, roughness).cost(); });
+    const JointSums sums(rows, fit.roughness);
+    fit.specular = sums.specular();
+    fit.diffuse = sums.diffuse(fit.specular);
     return fit;
 }
 
@@ -209,7 +281,7 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
     double squared = 0;
     for (const FitRow& row : rows) {
         const Rgb h = row.irradiance / kPi;
-        const Rgb b = lobe_basis(row, reflectance.roughness) / kPi;
+        const Rgb b = direct_lobe_basis(row, reflectance.roughness) / kPi;
         const Rgb d =
             reflectance.specular * lobe_basis_by_roughness(row, reflectance.roughness) / kPi;
         squared += (row.weight * (row.radiance - predict(row, reflectance)).square()).sum();

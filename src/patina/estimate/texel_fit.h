@@ -5,6 +5,7 @@
 
 #include "patina/estimate/observations.h"
 #include "patina/reflectance/lobe.h"
+#include "patina/transport/ratio_kernel.h"
 
 #include <span>
 
@@ -28,7 +29,8 @@ struct FitRow {
     Rgb weight = Rgb::Zero();               // 1 / variance of radiance
     Rgb irradiance = Rgb::Zero();           // direct and indirect [radiance x sr]
     Rgb irradiance_variance = Rgb::Zero();  // of its indirect part
-    Rgb indirect_lobe = Rgb::Zero();        // see indirect_lobe() [radiance x sr]
+    IndirectLobe indirect_lobe;             // about indirect_roughness; zero: not known of
+    double indirect_roughness = 0.2;        // sigma that indirect_lobe was found for [rad]
     std::span<const LampTerm> lamps;
     double theta_r = 0;  // [rad]
     PixelClass pixel_class = PixelClass::neither;
@@ -41,11 +43,15 @@ struct FitRow {
 // Radiance that the model predicts.
 [[nodiscard]] Rgb predict(const FitRow& row, const Reflectance& reflectance);
 
-// By angle when has_maps is false, otherwise by the predicted specular share.
-[[nodiscard]] PixelClass classify(const FitRow& row,
-                                  const Reflectance& present,
-                                  bool has_maps,
-                                  const FitOptions& options);
+// By angle: the first turn, while there are no maps.
+[[nodiscard]] PixelClass classify_by_angle(const FitRow& row, const FitOptions& options);
+
+// By the predicted specular share. previous: the row's class so far, which holds on until the share
+// has left its range by half, so that pixels do not flip to and fro.
+[[nodiscard]] PixelClass classify_by_share(const FitRow& row,
+                                           const Reflectance& present,
+                                           PixelClass previous,
+                                           const FitOptions& options);
 
 // (a): Pd from the T_diff rows (T_none ones where there are none, else all), the specular part at
 // its present prediction. The noise of the indirect light does not bias it (errors in variables).
@@ -70,7 +76,16 @@ struct SpecularFit {
                                           const Rgb& diffuse,
                                           double roughness);
 
-// Standard errors from the Fisher information of all rows; +infinity where there is none.
+// Whether a row is T_diff, so that the two steps rest on different pixels. Where none is, they
+// would chase each other, and fit_jointly() takes their place.
+[[nodiscard]] bool has_diffuse_row(std::span<const FitRow> rows);
+
+// Pd, Ps and sigma together from all rows: Pd and Ps in closed form for every sigma (variable
+// projection), sigma as in fit_specular().
+[[nodiscard]] Reflectance fit_jointly(std::span<const FitRow> rows, const FitOptions& options);
+
+// Standard errors from the Fisher information of all rows, of the lobe by direct light alone
+// (indirect light is too noisy a lamp to measure a lobe by); +infinity where there is none.
 struct FitErrors {
     Rgb diffuse;                      // of Pd, Ps and sigma free
     Rgb diffuse_lobe_known;           // of Pd with Ps and sigma given

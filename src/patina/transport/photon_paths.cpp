@@ -138,7 +138,8 @@ class PhotonTracer {
         PhotonState state;
         state.texel = texel;
         state.point = atlas_.texels[texel].point;
-        const double per_photon = atlas_.texels[texel].area / (probability * double(half_size));
+        const double per_photon =
+            atlas_.texels[texel].area / (probability * double(options_.photons));
         double azimuth = 0;
         const Rgb irradiance = lamps_.turns_with_scanner
                                    ? turning_lamp(state, lamp_choice, sampler, azimuth)

@@ -52,15 +52,22 @@ struct IndirectIrradiance {
                                                      const PhotonPaths& paths,
                                                      std::span<const Rgbf> power);
 
-// Indirect light seen through the lobe: pi times the radiance towards w_v that a lobe of Ps = 1 and
-// the texel's roughness reflects of it [radiance x sr]. Zero where wanted is 0. w_v: per texel,
-// unit, towards the camera.
-[[nodiscard]] std::vector<Rgbf> indirect_lobe(const RatioKernel& kernel,
-                                              const PhotonPaths& paths,
-                                              std::span<const Rgbf> power,
-                                              const TexelAtlas& atlas,
-                                              std::span<const Vec3f> w_v,
-                                              std::span<const Reflectance> maps,
-                                              std::span<const std::uint8_t> wanted);
+// Indirect light seen through the lobe, for three widths of it: pi times the radiance that a lobe
+// of Ps = 1 reflects towards the camera [radiance x sr], over the square of the lobe's sigma
+// [rad^2], which varies slowly with sigma.
+struct IndirectLobe {
+    Rgbf half = Rgbf::Zero();   // sigma half as large as the texel's
+    Rgbf same = Rgbf::Zero();   // the texel's sigma
+    Rgbf twice = Rgbf::Zero();  // twice as large
+};
+
+// w_v: per texel, unit, towards the camera. Zero where wanted is 0. One entry per texel.
+[[nodiscard]] std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
+                                                      const PhotonPaths& paths,
+                                                      std::span<const Rgbf> power,
+                                                      const TexelAtlas& atlas,
+                                                      std::span<const Vec3f> w_v,
+                                                      std::span<const Reflectance> maps,
+                                                      std::span<const std::uint8_t> wanted);
 
 }  // namespace patina
