@@ -22,14 +22,14 @@ struct Scale {
     int plate_rows;         // object A, both plates together
     int figurine_rows;      // objects B and C
     int samples;            // paths per pixel of the captures
+    int heldout_samples;    // of the held-out images, which count as noise-free
     std::uint64_t photons;  // per lamp
-    int compare_samples;    // paths per pixel of the synthetic images of used shots
+    int compare_samples;    // of the synthetic images of used shots
+    int compare_heldout;    // of the synthetic images of held-out shots
 };
 // The paper's, and a quarter of its width and height.
-constexpr Scale kFullScale = {512, 512, 320, 256, 2'000'000, 32};
-constexpr Scale kQuarterScale = {128, 128, 80, 64, 125'000, 32};
-// Held-out shots have this many times as many paths, real and synthetic: they are noise-free.
-constexpr int kHeldoutFactor = 8;
+constexpr Scale kFullScale = {512, 256, 320, 256, 1024, 2'000'000, 16, 256};
+constexpr Scale kQuarterScale = {128, 128, 80, 64, 512, 125'000, 16, 256};
 
 constexpr std::array<ObjectKind, 3> kObjects = {ObjectKind::a, ObjectKind::b, ObjectKind::c};
 constexpr std::array<const char*, 3> kObjectNames = {"A", "B", "C"};
@@ -76,7 +76,7 @@ class Experiment {
         scan_.columns = scale.columns;
         scan_.rows = kind_ == ObjectKind::a ? scale.plate_rows : scale.figurine_rows;
         scan_.samples_per_pixel = scale.samples;
-        scan_.heldout_sample_factor = kHeldoutFactor;
+        scan_.heldout_sample_factor = scale.heldout_samples / scale.samples;
         scan_.seed = options.seed;
     }
 
@@ -150,7 +150,7 @@ class Experiment {
         CompareOptions options;
         options.render.samples_per_pixel = scale_.compare_samples;
         options.render.seed = options_.seed;
-        options.heldout_sample_factor = kHeldoutFactor;
+        options.heldout_sample_factor = scale_.compare_heldout / scale_.compare_samples;
         options.keep_heldout = true;
         // One white for all methods: that of the first.
         if (!report_.methods.empty()) options.white = report_.white;

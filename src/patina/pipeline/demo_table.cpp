@@ -1,34 +1,12 @@
 // Table 1 as text and as JSON, beside the paper's.
+#include "patina/export/paper_table.h"
 #include "patina/pipeline/demo.h"
 #include "patina/pipeline/text_table.h"
 
 #include <fmt/format.h>
 
-#include <array>
-
 namespace patina {
 namespace {
-
-// Machida, Takemura, Yokoya. 2004, Table 1: |real - synthetic| of the objects B and C.
-struct PaperRow {
-    const char* object;
-    const char* method;
-    double mean;      // [8-bit levels]
-    double variance;  // [8-bit levels^2]
-};
-constexpr std::array<PaperRow, 4> kPaperTable = {{
-    {"B", "diffuse", 8.7, 493.3},
-    {"B", "photon", 0.51, 3.2},
-    {"C", "diffuse", 13.3, 375.2},
-    {"C", "photon", 0.92, 9.8},
-}};
-
-const PaperRow* paper_row(const std::string& object, const std::string& method) {
-    for (const PaperRow& row : kPaperTable) {
-        if (row.object == object && row.method == method) return &row;
-    }
-    return nullptr;
-}
 
 std::string levels_text(const std::optional<LevelComparison>& levels) {
     if (!levels) return "-";
@@ -80,13 +58,13 @@ std::string demo_text(const ReportData& report, const DemoOptions& options) {
     TextTable table({"object", "method", " held-out lamp", " used lamps", " paper", " Pd error"});
     for (const ObjectReport& object : report.objects) {
         for (const MethodReport& method : object.methods) {
-            const PaperRow* const paper = paper_row(object.name, method.method);
+            const auto paper = paper_table_1(object.name, method.method);
             table.add(
                 {object.name,
                  method.method,
                  levels_text(method.heldout),
                  levels_text(method.used),
-                 paper == nullptr ? "-" : fmt::format("{} / {}", paper->mean, paper->variance),
+                 paper ? fmt::format("{} / {}", paper->levels_mean, paper->levels_variance) : "-",
                  method.truth_diffuse
                      ? fmt::format("{:.1f} %",
                                    100 * method.truth_diffuse->median_absolute_relative_error)

@@ -167,6 +167,18 @@ void write_sheet(const std::vector<Image>& pictures, OutputFolder& folder) {
     folder.commit();
 }
 
+// Numbers with six digits: what a reader takes in.
+std::string value_text(const Json& item) {
+    if (item.kind == JsonKind::text) return item.text;
+    if (item.kind == JsonKind::boolean) return item.boolean ? "yes" : "no";
+    if (item.kind == JsonKind::list) {
+        std::string text;
+        for (const Json& part : item.items) text += (text.empty() ? "" : " x ") + value_text(part);
+        return text;
+    }
+    return item.kind == JsonKind::null ? "-" : fmt::format("{:.6g}", item.number);
+}
+
 // "name  value" lines; fields of objects and of lists are indented.
 void add_lines(const Json& json, const std::string& indent, TextTable& table) {
     for (std::size_t i = 0; i < json.items.size(); ++i) {
@@ -178,9 +190,7 @@ void add_lines(const Json& json, const std::string& indent, TextTable& table) {
             table.add({name, is_long_list ? fmt::format("{}", item.items.size()) : ""});
             add_lines(item, indent + "  ", table);
         } else {
-            std::string value = item.kind == JsonKind::text ? item.text : to_text(item);
-            if (!value.empty() && value.back() == '\n') value.pop_back();
-            table.add({name, value});
+            table.add({name, value_text(item)});
         }
     }
 }
