@@ -1,6 +1,7 @@
 #include "patina/estimate/indirect.h"
 
 #include "patina/base/parallel.h"
+#include "patina/transport/disc_estimator.h"
 
 #include <fmt/format.h>
 
@@ -62,6 +63,8 @@ PhotonEngine::PhotonEngine(const Surface& surface,
 void PhotonEngine::trace(std::span<const Reflectance> guide) {
     progress_.begin_stage("photons", options_.photons.photons * scene_.lamp_sets.size(), "photons");
     paths_.clear();
+    PhotonOptions photons = options_.photons;
+    photons.keep_positions = options_.irradiance == Irradiance::disc;
     std::vector<double> arrivals(atlas_.texels.size(), 0.0);
     std::uint64_t rays = 0;
     for (std::size_t set = 0; set < scene_.lamp_sets.size(); ++set) {
@@ -69,7 +72,7 @@ void PhotonEngine::trace(std::span<const Reflectance> guide) {
                                        atlas_,
                                        scene_.lamp_sets[set],
                                        guide,
-                                       options_.photons,
+                                       photons,
                                        static_cast<std::uint32_t>(set),
                                        progress_));
         const PhotonPaths& paths = paths_.back();
@@ -98,6 +101,14 @@ double PhotonEngine::weigh(std::span<const Reflectance> maps) {
     return effective;
 }
 
+IndirectIrradiance PhotonEngine::irradiance(const PhotonPaths& paths,
+                                            std::span<const Rgbf> power) const {
+    if (options_.irradiance == Irradiance::ratio) return indirect_irradiance(kernel_, paths, power);
+    DiscOptions disc;
+    disc.neighbors = int(options_.kernel.arrivals);
+    return disc_indirect_irradiance(paths, power, atlas_, disc);
+}
+
 IndirectLight PhotonEngine::evaluate(std::span<const Reflectance> maps,
                                      std::span<const std::uint8_t> seen,
                                      bool with_specular) {
@@ -116,7 +127,7 @@ IndirectLight PhotonEngine::evaluate(std::span<const Reflectance> maps,
     }
     light.spectral_radius = spectral_radius(power_);
     for (std::size_t set = 0; set < paths_.size(); ++set) {
-        light.irradiance.push_back(indirect_irradiance(kernel_, paths_[set], power_[set].arrivals));
+        light.irradiance.push_back(irradiance(paths_[set], power_[set].arrivals));
     }
     if (!with_specular) return light;
     std::vector<std::uint8_t> glossy(atlas_.texels.size());

@@ -37,6 +37,8 @@ class PhotonEngine {
   private:
     void trace(std::span<const Reflectance> guide);
     [[nodiscard]] double weigh(std::span<const Reflectance> maps);
+    [[nodiscard]] IndirectIrradiance irradiance(const PhotonPaths& paths,
+                                                std::span<const Rgbf> power) const;
 
     const Surface& surface_;
     const TexelAtlas& atlas_;

@@ -94,6 +94,7 @@ struct PhotonBlock {
     std::vector<PhotonPaths::Path> paths;
     std::vector<PhotonBounce> bounces;
     std::vector<Vec3f> directions;  // per bounce, from the arrival back along the photon's way
+    std::vector<Vec3f> positions;   // per bounce, of the arrival; empty unless wanted
     std::uint64_t rays = 0;
 };
 
@@ -231,6 +232,9 @@ class PhotonTracer {
                                                      options_.azimuth_window));
             }
             block.directions.push_back(w_back.cast<float>());
+            if (options_.keep_positions) {
+                block.positions.push_back(arrival.position.cast<float>());
+            }
             state = {arrival, texel, w_back, 1};
         }
     }
@@ -252,8 +256,14 @@ class PhotonTracer {
     StartDistribution start_;
 };
 
-// Joins the blocks in order. Returns the direction of every bounce's arrival.
-std::vector<Vec3f> join_blocks(std::vector<PhotonBlock>& blocks, PhotonPaths& result) {
+// Where and from where the photon arrived, per bounce. positions: empty unless wanted.
+struct Arrivals {
+    std::vector<Vec3f> directions;
+    std::vector<Vec3f> positions;
+};
+
+// Joins the blocks in order. Returns the arrivals of all bounces.
+Arrivals join_blocks(std::vector<PhotonBlock>& blocks, PhotonPaths& result) {
     std::size_t num_paths = 0;
     std::size_t num_bounces = 0;
     for (const PhotonBlock& block : blocks) {
@@ -263,8 +273,8 @@ std::vector<Vec3f> join_blocks(std::vector<PhotonBlock>& blocks, PhotonPaths& re
     PATINA_CHECK_LT(num_bounces, std::size_t{kNoArrival});
     result.paths.reserve(num_paths);
     result.bounces.reserve(num_bounces);
-    std::vector<Vec3f> directions;
-    directions.reserve(num_bounces);
+    Arrivals arrivals;
+    arrivals.directions.reserve(num_bounces);
     for (PhotonBlock& block : blocks) {
         const auto offset = static_cast<std::uint32_t>(result.bounces.size());
         for (PhotonPaths::Path path : block.paths) {
@@ -272,11 +282,14 @@ std::vector<Vec3f> join_blocks(std::vector<PhotonBlock>& blocks, PhotonPaths& re
             result.paths.push_back(path);
         }
         result.bounces.insert(result.bounces.end(), block.bounces.begin(), block.bounces.end());
-        directions.insert(directions.end(), block.directions.begin(), block.directions.end());
+        arrivals.directions.insert(
+            arrivals.directions.end(), block.directions.begin(), block.directions.end());
+        arrivals.positions.insert(
+            arrivals.positions.end(), block.positions.begin(), block.positions.end());
         result.rays += block.rays;
         block = PhotonBlock();
     }
-    return directions;
+    return arrivals;
 }
 
 std::size_t path_end(const PhotonPaths& paths, std::size_t path) {
@@ -285,9 +298,7 @@ std::size_t path_end(const PhotonPaths& paths, std::size_t path) {
 }
 
 // Counting sort of the bounces by texel of arrival; bounces that count for no column are left out.
-void sort_arrivals(std::size_t num_texels,
-                   const std::vector<Vec3f>& directions,
-                   PhotonPaths& result) {
+void sort_arrivals(std::size_t num_texels, const Arrivals& arrivals, PhotonPaths& result) {
     result.arrivals_begin.assign(num_texels + 1, 0);
     for (const PhotonBounce& bounce : result.bounces) {
         if (bounce.window > 0) ++result.arrivals_begin[bounce.to + 1];
@@ -297,6 +308,7 @@ void sort_arrivals(std::size_t num_texels,
     result.arrival_of_bounce.assign(result.bounces.size(), kNoArrival);
     result.arrival_half.resize(result.arrivals_begin.back());
     result.arrival_direction.resize(result.arrivals_begin.back());
+    if (!arrivals.positions.empty()) result.arrival_position.resize(result.arrivals_begin.back());
     std::vector<std::uint32_t> next(result.arrivals_begin.begin(), result.arrivals_begin.end() - 1);
     for (std::size_t path = 0; path < result.paths.size(); ++path) {
         for (std::size_t i = result.paths[path].first_bounce; i < path_end(result, path); ++i) {
@@ -304,7 +316,10 @@ void sort_arrivals(std::size_t num_texels,
             const std::uint32_t arrival = next[result.bounces[i].to]++;
             result.arrival_of_bounce[i] = arrival;
             result.arrival_half[arrival] = result.paths[path].half;
-            result.arrival_direction[arrival] = directions[i];
+            result.arrival_direction[arrival] = arrivals.directions[i];
+            if (!arrivals.positions.empty()) {
+                result.arrival_position[arrival] = arrivals.positions[i];
+            }
         }
     }
 }
@@ -320,7 +335,7 @@ PhotonPaths trace_photons(const Surface& surface,
                           Progress& progress) {
     PATINA_CHECK_EQ(guide.size(), atlas.texels.size());
     PhotonPaths result;
-    std::vector<Vec3f> directions;
+    Arrivals arrivals;
     const PhotonTracer tracer(surface, atlas, lamps, guide, options, stream);
     if (tracer.has_light()) {
         const std::size_t num_blocks = (options.photons + kPhotonsPerBlock - 1) / kPhotonsPerBlock;
@@ -337,9 +352,9 @@ PhotonPaths trace_photons(const Surface& surface,
                 progress.advance(end - begin);
             },
             1);
-        directions = join_blocks(blocks, result);
+        arrivals = join_blocks(blocks, result);
     }
-    sort_arrivals(atlas.texels.size(), directions, result);
+    sort_arrivals(atlas.texels.size(), arrivals, result);
     return result;
 }
 

@@ -24,6 +24,7 @@ struct PhotonOptions {
     std::uint64_t photons = 2'000'000;  // per set of lamps that shine together; >= 2
     std::uint64_t seed = 1;             // any
     int max_bounces = 64;               // arrivals after which a photon is cut; >= 1
+    bool keep_positions = false;        // fill PhotonPaths::arrival_position
     double azimuth_window = radians(
         12.0);  // half width of the columns that a photon of a turning lamp counts for [rad]; > 0
 };
@@ -56,6 +57,7 @@ struct PhotonPaths {
     std::vector<std::uint32_t> arrivals_begin;     // texels + 1 offsets into the arrivals
     std::vector<std::uint8_t> arrival_half;
     std::vector<Vec3f> arrival_direction;  // unit, from the surface back along the photon's way
+    std::vector<Vec3f> arrival_position;   // [length]; empty unless PhotonOptions::keep_positions
     std::uint64_t rays = 0;
 };
 
