@@ -114,6 +114,7 @@ class PixelRenderer {
             if (!hit) return std::nullopt;
             shown.point = surface_point(capture_.mesh, hit->triangle, hit->barycentric);
             shown.w_o = -ray.direction;
+            if (!faces(shown.point, shown.w_o)) return std::nullopt;
         }
         shown.texel =
             capture_.atlas.lookup(capture_.mesh, shown.point.triangle, shown.point.barycentric);

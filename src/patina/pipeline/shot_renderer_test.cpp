@@ -1,0 +1,121 @@
+#include "patina/pipeline/shot_renderer.h"
+
+#include "patina/base/error.h"
+
+#include <gtest/gtest.h>
+
+namespace patina {
+namespace {
+
+constexpr int kTexels = 4;
+constexpr double kDiffuse = 0.6;
+constexpr double kIrradiance = 2.0;
+
+// The unit square, facing +z, under a directional light from straight above: every point has the
+// radiance Pd E / pi, and no light bounces.
+struct FlatScene {
+    Capture capture;
+    ReflectanceMaps maps;
+
+    FlatScene() {
+        Mesh& mesh = capture.mesh;
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+        mesh.normals.assign(4, Vec3f::UnitZ());
+        mesh.uvs = {{0, 0}, {1, 0}, {1, 1}, {0, 1}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}};
+        capture.atlas = build_atlas(mesh, kTexels, kTexels);
+        Light light;
+        light.type = LightType::directional;
+        light.direction = Vec3::UnitZ();
+        light.irradiance = Rgb::Constant(kIrradiance);
+        capture.description.lights = {light};
+        Shot shot;
+        shot.lights = {0};
+        capture.description.shots = {shot};
+        const Image one(kTexels, kTexels, 1);
+        const Image three(kTexels, kTexels, 3);
+        maps = {Image(kTexels, kTexels, 3, float(kDiffuse)),
+                one,
+                Image(kTexels, kTexels, 1, 0.2f),
+                three,
+                one,
+                one,
+                Image(kTexels, kTexels, 1, 1.0f)};
+    }
+
+    [[nodiscard]] RenderedShot render(const Camera& camera) {
+        capture.description.cameras = {camera};
+        Progress quiet;
+        return ShotRenderer(capture, maps, "result").render(0, {4, 1}, quiet);
+    }
+};
+
+Camera registered_camera() {
+    Camera camera;
+    camera.model = CameraModel::registered;
+    camera.width = kTexels;
+    camera.height = kTexels;
+    camera.position = {0.5, 0.5, 2};
+    return camera;
+}
+
+// Sees [-0.25, 1.25]^2 of the plane on 6 x 6 pixels of a texel's size.
+Camera orthographic_camera() {
+    Camera camera;
+    camera.model = CameraModel::orthographic;
+    camera.width = 6;
+    camera.height = 6;
+    camera.pixel_size = 0.25;
+    camera.world_from_camera.rotation = Vec3(1, -1, -1).asDiagonal();
+    camera.world_from_camera.translation = {0.5, 0.5, 2};
+    return camera;
+}
+
+constexpr double kRadiance = kDiffuse * kIrradiance / kPi;
+// Radiance is stored in single precision.
+constexpr double kRounding = 1e-6;
+
+TEST(ShotRenderer, GivesTheRadianceOfAPlaneToRegisteredCameras) {
+    FlatScene scene;
+    const RenderedShot shot = scene.render(registered_camera());
+    for (const float value : shot.radiance.data) EXPECT_NEAR(value, kRadiance, kRounding);
+    for (const std::uint8_t status : shot.status) EXPECT_EQ(status, 1);
+}
+
+TEST(ShotRenderer, GivesTheRadianceOfAPlaneToOtherCameras) {
+    FlatScene scene;
+    const RenderedShot shot = scene.render(orthographic_camera());
+    for (int y = 0; y < 6; ++y) {
+        for (int x = 0; x < 6; ++x) {
+            const bool is_inside = x > 0 && x < 5 && y > 0 && y < 5;
+            EXPECT_NEAR(shot.radiance.at(x, y), is_inside ? kRadiance : 0, kRounding);
+            EXPECT_EQ(shot.status[std::size_t(6 * y + x)], is_inside ? 1 : 0);
+        }
+    }
+}
+
+TEST(ShotRenderer, TellsTheStatusOfWhatAPixelShows) {
+    FlatScene scene;
+    scene.maps.status.at(2, 1) = 3;
+    EXPECT_EQ(scene.render(registered_camera()).status[1 * kTexels + 2], 3);
+    // Texel (2, 1) lies under pixel (3, 2) of the orthographic camera.
+    EXPECT_EQ(scene.render(orthographic_camera()).status[2 * 6 + 3], 3);
+}
+
+TEST(ShotRenderer, SeesNothingFromBehind) {
+    FlatScene scene;
+    Camera camera = registered_camera();
+    camera.position.z() = -2;
+    const RenderedShot shot = scene.render(camera);
+    for (const float value : shot.radiance.data) EXPECT_EQ(value, 0);
+    for (const std::uint8_t status : shot.status) EXPECT_EQ(status, 0);
+}
+
+TEST(ShotRenderer, RejectsMapsOfAnotherSize) {
+    FlatScene scene;
+    scene.maps.status = Image(3, 3, 1);
+    EXPECT_THROW(ShotRenderer(scene.capture, scene.maps, "result"), Error);
+}
+
+}  // namespace
+}  // namespace patina
