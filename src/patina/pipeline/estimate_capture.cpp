@@ -238,6 +238,11 @@ OptionTable estimate_option_table(EstimateOptions& options) {
         flag_option("literal",
                     options.fit.literal,
                     "as the paper: diffuse pixels hold no specular light at all"),
+        choice_option("irradiance",
+                      options.irradiance,
+                      Choices<Irradiance>{{"ratio", Irradiance::ratio}, {"disc", Irradiance::disc}},
+                      "how photons become irradiance; disc is the classical estimate, which is "
+                      "wrong in corners"),
         integer_option("photons",
                        options.photons.photons,
                        between(2, 1e9),
