@@ -1,0 +1,192 @@
+#include "patina/transport/ratio_kernel.h"
+
+#include "patina/base/parallel.h"
+#include "patina/base/random.h"
+
+#include <gtest/gtest.h>
+
+#include "support/scenes.h"
+#include <cmath>
+
+namespace patina {
+namespace {
+
+// Weights are stored in single precision: each rounds by 6e-8, relatively.
+constexpr double kFloatError = 2e-7;
+
+struct KernelScene {
+    const char* name;
+    Mesh mesh;
+    int width;
+    int height;
+};
+
+// Two halves of a unit square in the plane z = 0 that lie `gap` apart along x and `step` along z;
+// their charts touch in the uv domain, as on both sides of a step of a range image.
+Mesh two_halves(double gap, double step) {
+    Mesh mesh = rectangle(Vec3::Zero(), {0.5, 0, 0}, Vec3::UnitY(), {{0, 0}, {0.5, 1}});
+    append(mesh, rectangle({0.5 + gap, 0, step}, {0.5, 0, 0}, Vec3::UnitY(), {{0.5, 0}, {1, 1}}));
+    return mesh;
+}
+
+// The whole square, its halves in charts of 12 x 24 texels of 28 x 24, four columns apart.
+constexpr int kSeamWidth = 28;
+Mesh seam() {
+    Mesh mesh =
+        rectangle(Vec3::Zero(), {0.5, 0, 0}, Vec3::UnitY(), {{0, 0}, {12.0 / kSeamWidth, 1}});
+    append(mesh,
+           rectangle({0.5, 0, 0}, {0.5, 0, 0}, Vec3::UnitY(), {{16.0 / kSeamWidth, 0}, {1, 1}}));
+    return mesh;
+}
+
+// One ridge along y between two squares that fall off to both sides at 45 degrees.
+Mesh convex_edge() {
+    const Vec3 left = Vec3(-1, 0, -1).normalized();
+    const Vec3 right = Vec3(1, 0, -1).normalized();
+    Mesh mesh = rectangle(left, -left, Vec3::UnitY(), {{0, 0}, {0.5, 1}});
+    append(mesh, rectangle(Vec3::Zero(), right, Vec3::UnitY(), {{0.5, 0}, {1, 1}}));
+    return mesh;
+}
+
+std::vector<KernelScene> kernel_scenes() {
+    return {{"seam", seam(), kSeamWidth, 24},
+            {"gap", two_halves(0.5, 0), 24, 24},
+            {"step", two_halves(0, -0.3), 24, 24},
+            {"concave corner", perpendicular_unit_squares(), 24, 48},
+            {"convex edge", convex_edge(), 48, 24},
+            {"box", inward_box(Vec3(1, 2, 1.5)), 60, 40},
+            {"smooth sphere", sphere(1, 32, 16, SphereSide::inward, true), 48, 24}};
+}
+
+std::vector<double> arrivals_of(const TexelAtlas& atlas, double value) {
+    return std::vector<double>(atlas.texels.size(), value);
+}
+
+TEST(RatioKernel, WeightsTimesAreasAddUpToOne) {
+    for (const KernelScene& scene : kernel_scenes()) {
+        const TexelAtlas atlas = build_atlas(scene.mesh, scene.width, scene.height);
+        const RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, 5), {});
+        ASSERT_EQ(kernel.begin.size(), atlas.texels.size() + 1) << scene.name;
+        for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+            double sum = 0;
+            for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+                EXPECT_GT(kernel.weight[k], 0.0F);
+                sum += double(kernel.weight[k]) * atlas.texels[kernel.texel[k]].area;
+            }
+            EXPECT_NEAR(sum, 1, kFloatError) << scene.name << ", texel " << i;
+        }
+    }
+}
+
+TEST(RatioKernel, MakesAUniformDensityAUniformIrradianceEverywhere) {
+    // Every texel, at edges, in corners and beside seams too, receives power in proportion to its
+    // area, the halves 3 and 1 shares of four.
+    for (const KernelScene& scene : kernel_scenes()) {
+        const TexelAtlas atlas = build_atlas(scene.mesh, scene.width, scene.height);
+        const RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, 5), {});
+        PhotonPaths paths;
+        std::vector<Rgbf> power;
+        paths.arrivals_begin.push_back(0);
+        for (const Texel& texel : atlas.texels) {
+            for (std::uint8_t half = 0; half < 2; ++half) {
+                paths.arrival_half.push_back(half);
+                power.push_back(Rgbf(1, 2, 4) * float(texel.area) * (half == 0 ? 0.75F : 0.25F));
+            }
+            paths.arrivals_begin.push_back(std::uint32_t(power.size()));
+        }
+        const IndirectIrradiance irradiance = indirect_irradiance(kernel, paths, power);
+        // Sums of at most 160 terms in single precision.
+        constexpr double kSumError = 160 * 6e-8;
+        for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+            const Rgb error = irradiance.mean(i) / Rgb(1, 2, 4) - 1;
+            EXPECT_LT(error.abs().maxCoeff(), kSumError) << scene.name << ", texel " << i;
+            EXPECT_NEAR(irradiance.variance(i)[0], 0.25, 4 * kSumError);
+        }
+    }
+}
+
+// Number of kernels that hold texels of two charts.
+std::size_t num_kernels_across(const Mesh& mesh, int width, int height) {
+    const TexelAtlas atlas = build_atlas(mesh, width, height);
+    const RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, 1), {});
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+        bool across = false;
+        for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+            across |= atlas.texels[kernel.texel[k]].chart != atlas.texels[i].chart;
+        }
+        count += across ? 1 : 0;
+    }
+    return count;
+}
+
+TEST(RatioKernel, StopsAtCreasesCracksAndSteps) {
+    EXPECT_EQ(num_kernels_across(perpendicular_unit_squares(), 24, 48), 0U);
+    EXPECT_EQ(num_kernels_across(convex_edge(), 48, 24), 0U);
+    EXPECT_EQ(num_kernels_across(two_halves(0.5, 0), 24, 24), 0U) << "a crack of 12 texels";
+    // The tenth of the largest radius, 7 texels, is 0.7 / 24 = 0.029.
+    EXPECT_EQ(num_kernels_across(two_halves(0, -0.035), 24, 24), 0U) << "a step of 0.84 texels";
+}
+
+TEST(RatioKernel, SpreadsAcrossSeams) {
+    // 150 arrivals, one per texel, make a radius of sqrt(150 / pi) = 6.9 texels, so that the six
+    // columns on either side reach over the seam in every row.
+    EXPECT_GE(num_kernels_across(seam(), kSeamWidth, 24), std::size_t(2 * 6 * 24));
+}
+
+TEST(RatioKernel, GrowsUntilItHoldsTheArrivalsAskedFor) {
+    const Mesh mesh = rectangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+    const TexelAtlas atlas = build_atlas(mesh, 31, 31);
+    const TexelId middle = atlas.cell_texel[15 * 31 + 15];
+    const auto size_with = [&](double arrivals, const RatioKernelOptions& options = {}) {
+        const RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, arrivals), options);
+        return kernel.begin[middle + 1] - kernel.begin[middle];
+    };
+    // At most the texels at one distance, 12, are taken beyond what is needed, and those within 5 %
+    // of the radius.
+    const auto ring = [](double count) { return 12 + 0.11 * count; };
+    EXPECT_NEAR(double(size_with(3)), 50, ring(50));
+    EXPECT_NEAR(double(size_with(1.5)), 100, ring(100));
+    // The smallest radius, 1.6 texels, is met by the texels at a distance of 2: 13 lie so near.
+    EXPECT_EQ(size_with(1000), 13U);
+    RatioKernelOptions few;
+    few.max_texels = 20;
+    EXPECT_LE(size_with(1, few), 20U);
+}
+
+TEST(RatioKernel, IsEmptyWhereNoPhotonIsInReach) {
+    const Mesh mesh = rectangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+    const TexelAtlas atlas = build_atlas(mesh, 24, 24);
+    std::vector<double> arrivals = arrivals_of(atlas, 0);
+    arrivals[atlas.cell_texel[0]] = 1000;
+    const RatioKernel kernel = build_ratio_kernel(atlas, arrivals, {});
+    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+        const Texel& texel = atlas.texels[i];
+        const double distance = std::hypot(texel.column, texel.row);
+        if (distance == 7) continue;  // rounding decides
+        EXPECT_EQ(kernel.begin[i + 1] > kernel.begin[i], distance < 7)
+            << texel.column << ", " << texel.row;
+    }
+}
+
+TEST(RatioKernel, IsTheSameForAnyNumberOfThreads) {
+    const Mesh mesh = sphere(1, 64, 32, SphereSide::inward, true);
+    const TexelAtlas atlas = build_atlas(mesh, 128, 64);
+    std::vector<double> arrivals(atlas.texels.size());
+    for (std::size_t i = 0; i < arrivals.size(); ++i) {
+        Rng rng(1, Pass::tests, i);
+        arrivals[i] = 20 * rng.uniform();
+    }
+    const auto build = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return build_ratio_kernel(atlas, arrivals, {});
+    };
+    const RatioKernel one = build(1);
+    const RatioKernel two = build(2);
+    EXPECT_EQ(one.begin, two.begin);
+    EXPECT_EQ(one.texel, two.texel);
+    EXPECT_EQ(one.weight, two.weight);
+}
+
+}  // namespace
+}  // namespace patina
