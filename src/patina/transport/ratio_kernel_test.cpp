@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/false_alarms.h"
 #include "support/scenes.h"
 #include <cmath>
 
@@ -186,6 +187,102 @@ TEST(RatioKernel, IsTheSameForAnyNumberOfThreads) {
     EXPECT_EQ(one.begin, two.begin);
     EXPECT_EQ(one.texel, two.texel);
     EXPECT_EQ(one.weight, two.weight);
+}
+
+// --- Seen through the lobe
+// ------------------------------------------------------------------------
+
+// A plate of 5 x 5 texels with random arrivals from the whole hemisphere.
+struct RandomArrivals {
+    Mesh mesh = rectangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY());
+    TexelAtlas atlas = build_atlas(mesh, 5, 5);
+    RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, 1), {});
+    PhotonPaths paths;
+    std::vector<Rgbf> power;
+
+    RandomArrivals(std::uint32_t per_texel, std::uint64_t seed) {
+        Rng rng(seed, Pass::tests, 0);
+        for (std::uint32_t i = 0; i <= atlas.texels.size(); ++i) {
+            paths.arrivals_begin.push_back(i * per_texel);
+        }
+        for (std::size_t i = 0; i < paths.arrivals_begin.back(); ++i) {
+            const double cosine = rng.uniform();
+            const double sine = std::sqrt(1 - square(cosine));
+            const double azimuth = 2 * kPi * rng.uniform();
+            paths.arrival_direction.emplace_back(
+                Vec3(sine * std::cos(azimuth), sine * std::sin(azimuth), cosine).cast<float>());
+            paths.arrival_half.push_back(i % 2);
+            power.emplace_back(Rgbf(1, 2, 3) * float(rng.uniform()));
+        }
+    }
+
+    [[nodiscard]] IndirectLobe lobe(TexelId texel, const Vec3& w_v, double roughness) const {
+        const std::vector<Vec3f> views(atlas.texels.size(), w_v.cast<float>());
+        const std::vector<Reflectance> maps(atlas.texels.size(), {Rgb::Zero(), 1, roughness});
+        const std::vector<std::uint8_t> wanted(atlas.texels.size(), 1);
+        return indirect_lobe(kernel, paths, power, atlas, views, maps, wanted)[texel];
+    }
+
+    // The sum over all arrivals by the lobe's own functions, in double precision.
+    [[nodiscard]] Rgb plain_sum(TexelId texel, const Vec3& w_v, double roughness) const {
+        const Vec3& n = atlas.texels[texel].point.normal;
+        Rgb sum = Rgb::Zero();
+        for (std::size_t k = kernel.begin[texel]; k < kernel.begin[texel + 1]; ++k) {
+            const TexelId y = kernel.texel[k];
+            for (std::uint32_t a = paths.arrivals_begin[y]; a < paths.arrivals_begin[y + 1]; ++a) {
+                const Vec3 w_i = paths.arrival_direction[a].cast<double>();
+                sum += power[a].cast<double>() * double(kernel.weight[k]) *
+                       lobe_gaussian(mirror_angle_squared(n, w_i, w_v), roughness) *
+                       lobe_cosines(n.dot(w_i), n.dot(w_v));
+            }
+        }
+        return sum / square(roughness);
+    }
+};
+
+TEST(IndirectLobe, EqualsThePlainSumOfFewArrivals) {
+    // 25 texels of 7 arrivals are few enough for all of them to be taken.
+    const RandomArrivals arrivals(7, 1);
+    const TexelId middle = 12;
+    for (const double roughness : {0.2, 0.3, 0.6}) {
+        for (const double angle : {0.0, 30.0, 60.0, 80.0}) {
+            const Vec3 w_v(std::sin(radians(angle)), 0, std::cos(radians(angle)));
+            const IndirectLobe lobe = arrivals.lobe(middle, w_v, roughness);
+            // Largest error of a channel, relative to its light.
+            const auto error = [&](const Rgbf& value, double sigma) {
+                return (value.cast<double>() / arrivals.plain_sum(middle, w_v, sigma) - 1)
+                    .abs()
+                    .maxCoeff();
+            };
+            // The squared angle errs by 2e-4, and a Gaussian by that times its exponent; where the
+            // exponent is above 10 there is no light.
+            constexpr double kSeriesError = 2e-4 * 10;
+            // Three sigma of the widest lobe: the light beyond it, spread over the hemisphere, is
+            // exp(-9/2) of the whole on average, here a sample of few arrivals.
+            const double left_out = 3 * std::exp(-4.5);
+            SCOPED_TRACE(testing::Message() << roughness << " rad, " << angle << " degrees");
+            EXPECT_LT(error(lobe.half, roughness / 2), kSeriesError);
+            EXPECT_LT(error(lobe.same, roughness), kSeriesError);
+            EXPECT_LT(error(lobe.twice, 2 * roughness), kSeriesError + left_out);
+        }
+    }
+}
+
+TEST(IndirectLobe, KeepsItsLightWhereOnlyEveryNthArrivalIsTaken) {
+    constexpr double kRoughness = 0.3;
+    const TexelId middle = 12;
+    const Vec3 w_v = Vec3(0.5, 0, 0.8).normalized();
+    std::vector<double> ratios;
+    for (std::uint64_t set = 0; set < 256; ++set) {
+        const RandomArrivals arrivals(40, set);
+        ratios.push_back(double(arrivals.lobe(middle, w_v, kRoughness).same[0]) /
+                         arrivals.plain_sum(middle, w_v, kRoughness)[0]);
+    }
+    // Counting the first arrival always and rounding the number of those taken up adds at most one
+    // arrival in 96, of up to twice the mean weight.
+    const Estimate mean = estimate_of(ratios);
+    EXPECT_TRUE(agrees(mean, 1, 2.0 / 96));
+    EXPECT_LT(mean.standard_error, 0.02) << "the test would see nothing";
 }
 
 }  // namespace
