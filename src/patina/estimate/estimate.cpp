@@ -21,6 +21,8 @@ constexpr double kSpecularRelativeError = 0.2;
 constexpr double kSpecularAbsoluteError = 0.01;
 constexpr double kSpecularDetection = 3.0;
 constexpr double kStayMeasured = 1.5;
+constexpr double kInsideLobe = 2.0;   // [sigma]
+constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 // After so many turns no texel's lobe becomes measured any more: what comes and goes would keep the
 // iteration from coming to rest.
 constexpr int kSettleAfter = 8;
@@ -29,6 +31,7 @@ constexpr int kDirectIterations = 12;
 // Method II before method photon is only a start: it may stop this much earlier.
 constexpr double kStartTolerance = 20.0;
 constexpr double kMinDamping = 0.1;
+constexpr double kLobeDamping = 0.6;
 constexpr double kInitialRoughness = 0.2;  // [rad]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -38,6 +41,7 @@ struct TexelFit {
     bool observed = false;
     bool specular_measured = false;
     bool roughness_measured = false;
+    bool joint = false;  // fitted in one step: no T_diff pixels, or classes that do not settle
     double misfit = 1;
 };
 
@@ -144,8 +148,7 @@ class Iteration {
                 row.irradiance_variance = indirect.variance(texel);
                 variance += (result_.maps[texel].diffuse / kPi).square() * row.irradiance_variance;
             }
-            if (!light.lobe.empty())
-                row.indirect_lobe = light.lobe[look.shot][texel];
+            if (!light.lobe.empty()) row.indirect_lobe = light.lobe[look.shot][texel];
             row.indirect_roughness = result_.maps[texel].roughness;
             row.weight = 1 / variance.max(kSmallestVariance);
         }
@@ -168,7 +171,7 @@ class Iteration {
                     sums[begin / kParallelBlock] +=
                         {(row.radiance - predict(row, result_.maps[i])).square().sum(), 3.0};
                 }
-                assign_classes(i, has_maps, rows);
+                assign_classes(i, has_maps, settled, rows);
                 fit_texel(i, rows, settled);
             }
         });
@@ -185,19 +188,30 @@ class Iteration {
         if (options_.loop == Loop::damped && !light.irradiance.empty()) {
             log.damping = std::max(kMinDamping, 1 - square(std::min(1.0, light.spectral_radius)));
         }
-        log.change = update_maps(log.damping);
+        // Indirect light seen through a lobe follows the lobe's own fit, which may answer by
+        // swinging back.
+        const bool swings = settled && options_.loop == Loop::damped;
+        log.change = update_maps(log.damping, swings ? kLobeDamping * log.damping : log.damping);
         result_.iterations.push_back(log);
         return log;
     }
 
-    void assign_classes(std::size_t texel, bool has_maps, std::vector<FitRow>& rows) {
+    // Once settled, a texel whose pixels still change their class is fitted by all of them at once.
+    void assign_classes(std::size_t texel, bool has_maps, bool settled, std::vector<FitRow>& rows) {
         PixelClass* const stored = classes_.data() + observations_.begin[texel];
+        bool& joint = fits_[texel].joint;
+        if (!settled) joint = false;
         for (std::size_t k = 0; k < rows.size(); ++k) {
+            const PixelClass previous = stored[k];
             stored[k] =
-                has_maps ? classify_by_share(rows[k], result_.maps[texel], stored[k], options_.fit)
+                has_maps ? classify_by_share(rows[k], result_.maps[texel], previous, options_.fit)
                          : classify_by_angle(rows[k], options_.fit);
-            rows[k].pixel_class = stored[k];
+            if (settled && stored[k] != previous) joint = true;
         }
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            rows[k].pixel_class = joint ? PixelClass::neither : stored[k];
+        }
+        if (!has_diffuse_row(rows)) joint = true;
     }
 
     void fit_texel(std::size_t texel, const std::vector<FitRow>& rows, bool settled) {
@@ -206,7 +220,7 @@ class Iteration {
         if (rows.empty()) return;
         const Reflectance& present = result_.maps[texel];
         bool has_lobe = true;
-        if (has_diffuse_row(rows)) {
+        if (!fit.joint) {
             fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
             const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options_.fit);
             fit.reflectance.specular = lobe.specular;
@@ -215,10 +229,8 @@ class Iteration {
         } else {
             fit.reflectance = fit_jointly(rows, options_.fit);
         }
-        const FitErrors errors = fit_errors(rows, fit.reflectance);
-        fit.misfit = errors.misfit;
         if (has_lobe) {
-            judge(errors, settled, fit);
+            judge(rows, settled, fit);
         } else {
             fit.specular_measured = fit.roughness_measured = false;
         }
@@ -230,21 +242,36 @@ class Iteration {
 
     // Which of the texel's lobe parameters count as measured. What was measured before stays so
     // until it misses the mark by half; once settled, what was not measured stays out.
-    void judge(const FitErrors& errors, bool settled, TexelFit& fit) const {
-        const double ps = fit.reflectance.specular;
+    void judge(std::span<const FitRow> rows, bool settled, TexelFit& fit) const {
+        const FitErrors errors = fit_errors(rows, fit.reflectance);
+        fit.misfit = errors.misfit;
+        // A texel that the model fits worse than others is known less well than its noise says.
+        const double scale = std::max(result_.noise_scale, std::sqrt(errors.misfit));
         const auto holds = [&](bool before, double error, double limit) {
             return before ? error < kStayMeasured * limit : !settled && error < limit;
         };
+        const double ps = fit.reflectance.specular;
         const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
-        const double error = errors.specular * result_.noise_scale;
         const double detection = ps / kSpecularDetection;
-        fit.roughness_measured = holds(fit.roughness_measured, error, std::min(limit, detection));
+        fit.roughness_measured =
+            lobe_is_shown(rows, fit.reflectance.roughness) &&
+            holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection));
         // Not told from zero: measured, to be matte, if no lobe of ordinary width would have
         // escaped.
-        const double matte_error = errors.specular_sigma_known * result_.noise_scale;
+        const double matte_error = scale * errors.specular_sigma_known;
         const bool matte = ps < kSpecularDetection * matte_error &&
                            holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
         fit.specular_measured = fit.roughness_measured || matte;
+    }
+
+    // A lobe is shown when some lamp stands inside it; tails alone say too little of its height.
+    // One as wide as the search allows is not a lobe but shading that the diffuse part did not
+    // explain.
+    bool lobe_is_shown(std::span<const FitRow> rows, double roughness) const {
+        if (roughness > kWidestShare * options_.fit.max_roughness) return false;
+        return std::any_of(rows.begin(), rows.end(), [roughness](const FitRow& row) {
+            return row.theta_r < kInsideLobe * roughness;
+        });
     }
 
     void update_noise_scale() {
@@ -300,7 +327,7 @@ class Iteration {
     }
 
     // Moves the maps towards the fits; returns the relative change.
-    double update_maps(double damping) {
+    double update_maps(double damping, double lobe_damping) {
         result_.num_clamped = 0;
         double moved = 0;
         double size = 0;
@@ -309,8 +336,8 @@ class Iteration {
             const Reflectance& fit = fits_[i].reflectance;
             Reflectance next;
             next.diffuse = map.diffuse + damping * (fit.diffuse - map.diffuse);
-            next.specular = map.specular + damping * (fit.specular - map.specular);
-            next.roughness = map.roughness + damping * (fit.roughness - map.roughness);
+            next.specular = map.specular + lobe_damping * (fit.specular - map.specular);
+            next.roughness = map.roughness + lobe_damping * (fit.roughness - map.roughness);
             const Projection projection = project_to_feasible(next);
             if (projection.was_clamped) ++result_.num_clamped;
             next = projection.reflectance;

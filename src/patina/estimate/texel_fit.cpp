@@ -180,8 +180,10 @@ Rgb lobe_basis(const FitRow& row, double roughness) {
     const IndirectLobe& lobe = row.indirect_lobe;
     if (lobe.twice.isZero()) return direct_lobe_basis(row, roughness);
     const auto octave = float(std::clamp(std::log2(roughness / row.indirect_roughness), -1.0, 1.0));
-    const Rgbf over_square = octave < 0 ? Rgbf(lobe.same - octave * (lobe.half - lobe.same))
-                                        : Rgbf(lobe.same + octave * (lobe.twice - lobe.same));
+    // The parabola through the three widths; it may dip below zero only where all three are noise.
+    const Rgbf slope = 0.5f * (lobe.twice - lobe.half);
+    const Rgbf bend = 0.5f * (lobe.twice + lobe.half) - lobe.same;
+    const Rgbf over_square = (lobe.same + octave * (slope + octave * bend)).max(0.0f);
     return direct_lobe_basis(row, roughness) + over_square.cast<double>() * square(roughness);
 }
 

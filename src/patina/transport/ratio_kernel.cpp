@@ -4,6 +4,7 @@
 #include "patina/base/parallel.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
 namespace patina {
@@ -11,9 +12,12 @@ namespace {
 
 constexpr double kMinNormalCosine = 0.7;
 constexpr double kPlaneShare = 0.1;  // of the radius
-// Beyond this many sigma a lobe is below 4e-4 of its peak and not worth an exponential.
-constexpr float kLobeReachSquared = 4.0f * 4.0f;
+// Beyond this many sigma of the widest of the three lobes nothing is added: 1 % of that one's
+// light, and less than 1e-7 of the middle one's.
+constexpr float kLobeReachSquared = 3.0f * 3.0f;
 constexpr std::size_t kTexelsPerBlock = 1024;
+// A lobe is seen through at most about this many arrivals; of more, every n-th is taken.
+constexpr std::size_t kMaxLobeArrivals = 192;
 
 float square_of(float x) { return x * x; }
 
@@ -186,6 +190,60 @@ IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
     return result;
 }
 
+namespace {
+
+// The arrivals in one lobe, side by side so that the exponentials are taken in SIMD lanes.
+class LobeBatch {
+  public:
+    void clear() { size_ = 0; }
+
+    // versine: 1 - cos of the mirror angle. light: power times everything that does not depend on
+    // sigma.
+    void add(float versine, const Rgbf& light) {
+        versine_[size_] = versine;
+        for (std::size_t c = 0; c < 3; ++c) light_[c][size_] = light[Eigen::Index(c)];
+        ++size_;
+    }
+    [[nodiscard]] bool full() const { return size_ == kCapacity; }
+
+    // Adds the batch, in its order, to the three sums.
+    void add_to(IndirectLobe& sum, float inverse_widest) {
+        for (std::size_t i = 0; i < size_; ++i) {
+            // The three Gaussians are powers of each other.
+            twice_[i] = exp_of_negative(-0.5f * squared_angle(versine_[i]) * inverse_widest);
+            same_[i] = square_of(square_of(twice_[i]));
+            half_[i] = square_of(square_of(same_[i]));
+        }
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto channel = Eigen::Index(c);
+            for (std::size_t i = 0; i < size_; ++i) {
+                sum.twice[channel] += light_[c][i] * twice_[i];
+                sum.same[channel] += light_[c][i] * same_[i];
+                sum.half[channel] += light_[c][i] * half_[i];
+            }
+        }
+        clear();
+    }
+
+  private:
+    static constexpr std::size_t kCapacity = 256;
+    std::array<float, kCapacity> versine_, twice_, same_, half_;
+    std::array<std::array<float, kCapacity>, 3> light_;
+    std::size_t size_ = 0;
+};
+
+// Every stride-th arrival in reach of a kernel, so that about kMaxLobeArrivals are looked at.
+std::uint32_t lobe_stride(const RatioKernel& kernel, const PhotonPaths& paths, std::size_t texel) {
+    std::size_t count = 0;
+    for (std::size_t k = kernel.begin[texel]; k < kernel.begin[texel + 1]; ++k) {
+        const TexelId y = kernel.texel[k];
+        count += paths.arrivals_begin[y + 1] - paths.arrivals_begin[y];
+    }
+    return std::uint32_t((count + kMaxLobeArrivals - 1) / kMaxLobeArrivals);
+}
+
+}  // namespace
+
 std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
                                         const PhotonPaths& paths,
                                         std::span<const Rgbf> power,
@@ -194,40 +252,40 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
                                         std::span<const Reflectance> maps,
                                         std::span<const std::uint8_t> wanted) {
     std::vector<IndirectLobe> result(atlas.texels.size());
-    parallel_for(result.size(), [&](std::size_t i) {
-        if (wanted[i] == 0) return;
-        const Vec3f normal = atlas.texels[i].point.normal.cast<float>();
-        const float cos_v = normal.dot(w_v[i]);
-        if (cos_v <= 0) return;
-        const Vec3f mirror = 2 * cos_v * normal - w_v[i];
-        const float variance = float(square(maps[i].roughness));
-        // Of the widest lobe. theta^2 >= 2 (1 - cos): a test without an arc cosine.
-        const float inverse_widest = 1 / (4 * variance);
-        const float min_cosine = 1 - 0.5f * kLobeReachSquared / inverse_widest;
-        IndirectLobe sum;
-        for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
-            const TexelId y = kernel.texel[k];
-            for (std::uint32_t a = paths.arrivals_begin[y]; a < paths.arrivals_begin[y + 1]; ++a) {
-                const Vec3f& w_i = paths.arrival_direction[a];
-                const float cosine = mirror.dot(w_i);
-                const float cos_i = normal.dot(w_i);
-                if (cosine < min_cosine || cos_i <= 0) continue;
-                const float theta_squared = squared_angle(1 - cosine);
-                // The three Gaussians are powers of each other.
-                const float twice = exp_of_negative(-0.5f * theta_squared * inverse_widest);
-                const float same = square_of(square_of(twice));
-                const float half = square_of(square_of(same));
-                const Rgbf light =
-                    power[a] * (kernel.weight[k] / std::max(cos_i, float(kCosineFloor)));
-                sum.twice += light * twice;
-                sum.same += light * same;
-                sum.half += light * half;
+    parallel_blocks(result.size(), kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
+        LobeBatch batch;
+        for (std::size_t i = begin; i < end; ++i) {
+            const Vec3f normal = atlas.texels[i].point.normal.cast<float>();
+            const float cos_v = normal.dot(w_v[i]);
+            if (wanted[i] == 0 || cos_v <= 0) continue;
+            const Vec3f mirror = 2 * cos_v * normal - w_v[i];
+            const float variance = float(square(maps[i].roughness));
+            // Of the widest lobe. theta^2 >= 2 (1 - cos): a test without an arc cosine.
+            const float inverse_widest = 1 / (4 * variance);
+            const float max_versine = 0.5f * kLobeReachSquared / inverse_widest;
+            const std::uint32_t stride = lobe_stride(kernel, paths, i);
+            std::uint32_t to_skip = 0;
+            IndirectLobe& sum = result[i];
+            for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+                const std::uint32_t last = paths.arrivals_begin[kernel.texel[k] + 1];
+                std::uint32_t a = paths.arrivals_begin[kernel.texel[k]] + to_skip;
+                for (; a < last; a += stride) {
+                    const Vec3f& w_i = paths.arrival_direction[a];
+                    const float versine = 1 - mirror.dot(w_i);
+                    const float cos_i = normal.dot(w_i);
+                    if (versine > max_versine || cos_i <= 0) continue;
+                    batch.add(versine,
+                              power[a] * (kernel.weight[k] / std::max(cos_i, float(kCosineFloor))));
+                    if (batch.full()) batch.add_to(sum, inverse_widest);
+                }
+                to_skip = a - last;
             }
+            batch.add_to(sum, inverse_widest);
+            const float scale = float(stride) / (std::max(cos_v, float(kCosineFloor)) * variance);
+            sum.half *= 4 * scale;
+            sum.same *= scale;
+            sum.twice *= 0.25f * scale;
         }
-        const float scale = 1 / (std::max(cos_v, float(kCosineFloor)) * variance);
-        result[i].half = sum.half * (4 * scale);
-        result[i].same = sum.same * scale;
-        result[i].twice = sum.twice * (0.25f * scale);
     });
     return result;
 }
