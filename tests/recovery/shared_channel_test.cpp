@@ -1,0 +1,59 @@
+// A capture of an independent renderer: a bright and glossy channel, two cameras, ten lamps.
+#include "patina/pipeline/estimate_capture.h"
+#include "patina/pipeline/truth_comparison.h"
+
+#include <gtest/gtest.h>
+
+#include "support/shared_data.h"
+#include <algorithm>
+
+namespace patina {
+namespace {
+
+Estimate estimate(const Capture& capture, EstimateOptions& options) {
+    // A tenth of the default photons, and four turns of each loop: maps move by less than half a
+    // percent after that, and the tolerances below are three times as wide.
+    options.photons.photons = 200'000;
+    options.max_iterations = 4;
+    Progress progress;
+    return estimate_reflectance(capture, options, progress);
+}
+
+Comparison::Truth compare(const Capture& capture,
+                          const EstimateOptions& options,
+                          const Estimate& estimate) {
+    return compare_with_truth(make_result(capture, options, estimate).maps,
+                              load_truth(capture.description));
+}
+
+TEST(SharedChannel, PhotonsFindTheTruthThatDirectLightAloneMisses) {
+    const auto folder = shared_data("captures/channel");
+    if (!folder) GTEST_SKIP() << "needs captures/channel of the shared data (PATINA_SHARED)";
+    const Capture capture = load_capture(*folder);
+
+    EstimateOptions options;
+    options.method = Method::direct;
+    const Comparison::Truth direct = compare(capture, options, estimate(capture, options));
+    EXPECT_GT(direct.diffuse->mean_relative_error, 0.20);
+
+    options.method = Method::photon;
+    const Estimate photon = estimate(capture, options);
+    const Comparison::Truth truth = compare(capture, options, photon);
+    EXPECT_NEAR(truth.diffuse->mean_relative_error, 0, 0.015);
+    EXPECT_LE(truth.diffuse->median_absolute_relative_error, 0.03);
+    EXPECT_LE(truth.specular->median_absolute_relative_error, 0.20);
+    EXPECT_LE(truth.roughness->median_absolute_relative_error, 0.20);
+
+    std::size_t num_seen = 0;
+    std::size_t num_measured = 0;
+    for (std::size_t i = 0; i < photon.seen.size(); ++i) {
+        if (photon.seen[i] == 0) continue;
+        ++num_seen;
+        if (photon.status[i] != TexelStatus::filled) ++num_measured;
+    }
+    EXPECT_GE(double(num_measured), 0.95 * double(num_seen));
+    EXPECT_LT(photon.iterations.back().change, 0.005);
+}
+
+}  // namespace
+}  // namespace patina
