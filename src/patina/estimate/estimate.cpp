@@ -5,6 +5,7 @@
 #include "patina/base/parallel.h"
 #include "patina/estimate/fill.h"
 #include "patina/estimate/indirect.h"
+#include "patina/estimate/texel_turn.h"
 #include "patina/math/statistics.h"
 
 #include <fmt/format.h>
@@ -15,14 +16,6 @@
 namespace patina {
 namespace {
 
-// Ps is measured when its standard error is below the larger of these two; sigma besides only when
-// Ps is told from zero by so many standard errors.
-constexpr double kSpecularRelativeError = 0.2;
-constexpr double kSpecularAbsoluteError = 0.01;
-constexpr double kSpecularDetection = 3.0;
-constexpr double kStayMeasured = 1.5;
-constexpr double kInsideLobe = 2.0;   // [sigma]
-constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 // After so many turns no texel's lobe becomes measured any more: what comes and goes would keep the
 // iteration from coming to rest.
 constexpr int kSettleAfter = 8;
@@ -34,16 +27,6 @@ constexpr double kMinDamping = 0.1;
 constexpr double kLobeDamping = 0.6;
 constexpr double kInitialRoughness = 0.2;  // [rad]
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-// What one turn finds for one texel, before filling and damping.
-struct TexelFit {
-    Reflectance reflectance;
-    bool observed = false;
-    bool specular_measured = false;
-    bool roughness_measured = false;
-    bool joint = false;  // fitted in one step: no T_diff pixels, or classes that do not settle
-    double misfit = 1;
-};
 
 // Sums over looks for E, and over texels for the change.
 struct TurnSums {
@@ -172,7 +155,8 @@ class Iteration {
                         {(row.radiance - predict(row, result_.maps[i])).square().sum(), 3.0};
                 }
                 assign_classes(i, has_maps, settled, rows);
-                fit_texel(i, rows, settled);
+                fits_[i] = fit_texel(
+                    rows, result_.maps[i], fits_[i], result_.noise_scale, settled, options_.fit);
             }
         });
         TurnSums total;
@@ -212,66 +196,6 @@ class Iteration {
             rows[k].pixel_class = joint ? PixelClass::neither : stored[k];
         }
         if (!has_diffuse_row(rows)) joint = true;
-    }
-
-    void fit_texel(std::size_t texel, const std::vector<FitRow>& rows, bool settled) {
-        TexelFit& fit = fits_[texel];
-        fit.observed = !rows.empty();
-        if (rows.empty()) return;
-        const Reflectance& present = result_.maps[texel];
-        bool has_lobe = true;
-        if (!fit.joint) {
-            fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
-            const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options_.fit);
-            fit.reflectance.specular = lobe.specular;
-            fit.reflectance.roughness = lobe.has_rows ? lobe.roughness : present.roughness;
-            has_lobe = lobe.has_rows;
-        } else {
-            fit.reflectance = fit_jointly(rows, options_.fit);
-        }
-        if (has_lobe) {
-            judge(rows, settled, fit);
-        } else {
-            fit.specular_measured = fit.roughness_measured = false;
-        }
-        // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
-        if (!fit.specular_measured) {
-            fit.reflectance.diffuse = fit_diffuse(rows, present, options_.fit);
-        }
-    }
-
-    // Which of the texel's lobe parameters count as measured. What was measured before stays so
-    // until it misses the mark by half; once settled, what was not measured stays out.
-    void judge(std::span<const FitRow> rows, bool settled, TexelFit& fit) const {
-        const FitErrors errors = fit_errors(rows, fit.reflectance);
-        fit.misfit = errors.misfit;
-        // A texel that the model fits worse than others is known less well than its noise says.
-        const double scale = std::max(result_.noise_scale, std::sqrt(errors.misfit));
-        const auto holds = [&](bool before, double error, double limit) {
-            return before ? error < kStayMeasured * limit : !settled && error < limit;
-        };
-        const double ps = fit.reflectance.specular;
-        const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
-        const double detection = ps / kSpecularDetection;
-        fit.roughness_measured =
-            lobe_is_shown(rows, fit.reflectance.roughness) &&
-            holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection));
-        // Not told from zero: measured, to be matte, if no lobe of ordinary width would have
-        // escaped.
-        const double matte_error = scale * errors.specular_sigma_known;
-        const bool matte = ps < kSpecularDetection * matte_error &&
-                           holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
-        fit.specular_measured = fit.roughness_measured || matte;
-    }
-
-    // A lobe is shown when some lamp stands inside it; tails alone say too little of its height.
-    // One as wide as the search allows is not a lobe but shading that the diffuse part did not
-    // explain.
-    bool lobe_is_shown(std::span<const FitRow> rows, double roughness) const {
-        if (roughness > kWidestShare * options_.fit.max_roughness) return false;
-        return std::any_of(rows.begin(), rows.end(), [roughness](const FitRow& row) {
-            return row.theta_r < kInsideLobe * roughness;
-        });
     }
 
     void update_noise_scale() {

@@ -1,0 +1,84 @@
+#include "patina/estimate/texel_turn.h"
+
+#include <algorithm>
+
+namespace patina {
+namespace {
+
+// Ps is measured when its standard error is below the larger of these two; sigma besides only when
+// Ps is told from zero by so many standard errors.
+constexpr double kSpecularRelativeError = 0.2;
+constexpr double kSpecularAbsoluteError = 0.01;
+constexpr double kSpecularDetection = 3.0;
+constexpr double kStayMeasured = 1.5;
+constexpr double kInsideLobe = 2.0;   // [sigma]
+constexpr double kWidestShare = 0.8;  // of the widest sigma searched
+
+// A lobe is shown when some lamp stands inside it; tails alone say too little of its height. One as
+// wide as the search allows is not a lobe but shading that the diffuse part did not explain.
+bool lobe_is_shown(std::span<const FitRow> rows, double roughness, const FitOptions& options) {
+    if (roughness > kWidestShare * options.max_roughness) return false;
+    return std::any_of(rows.begin(), rows.end(), [roughness](const FitRow& row) {
+        return row.theta_r < kInsideLobe * roughness;
+    });
+}
+
+// Which of the lobe parameters count as measured. What was measured before stays so until it misses
+// the mark by half; once settled, what was not measured stays out.
+void judge(std::span<const FitRow> rows,
+           double noise_scale,
+           bool settled,
+           const FitOptions& options,
+           TexelFit& fit) {
+    const FitErrors errors = fit_errors(rows, fit.reflectance);
+    fit.misfit = errors.misfit;
+    // A texel that the model fits worse than others is known less well than its noise says.
+    const double scale = std::max(noise_scale, std::sqrt(errors.misfit));
+    const auto holds = [settled](bool before, double error, double limit) {
+        return before ? error < kStayMeasured * limit : !settled && error < limit;
+    };
+    const double ps = fit.reflectance.specular;
+    const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
+    const double detection = ps / kSpecularDetection;
+    fit.roughness_measured =
+        lobe_is_shown(rows, fit.reflectance.roughness, options) &&
+        holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection));
+    // Not told from zero: measured, to be matte, if no lobe of ordinary width would have escaped.
+    const double matte_error = scale * errors.specular_sigma_known;
+    const bool matte = ps < kSpecularDetection * matte_error &&
+                       holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
+    fit.specular_measured = fit.roughness_measured || matte;
+}
+
+}  // namespace
+
+TexelFit fit_texel(std::span<const FitRow> rows,
+                   const Reflectance& present,
+                   const TexelFit& previous,
+                   double noise_scale,
+                   bool settled,
+                   const FitOptions& options) {
+    TexelFit fit = previous;
+    fit.observed = !rows.empty();
+    if (rows.empty()) return fit;
+    bool has_lobe = true;
+    if (fit.joint) {
+        fit.reflectance = fit_jointly(rows, options);
+    } else {
+        fit.reflectance.diffuse = fit_diffuse(rows, present, options);
+        const SpecularFit lobe = fit_specular(rows, fit.reflectance.diffuse, options);
+        fit.reflectance.specular = lobe.specular;
+        fit.reflectance.roughness = lobe.has_rows ? lobe.roughness : present.roughness;
+        has_lobe = lobe.has_rows;
+    }
+    if (has_lobe) {
+        judge(rows, noise_scale, settled, options, fit);
+    } else {
+        fit.specular_measured = fit.roughness_measured = false;
+    }
+    // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
+    if (!fit.specular_measured) fit.reflectance.diffuse = fit_diffuse(rows, present, options);
+    return fit;
+}
+
+}  // namespace patina

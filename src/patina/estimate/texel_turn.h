@@ -1,0 +1,30 @@
+// What one turn of the iteration finds for one texel, and which of it counts as measured.
+#pragma once
+
+#include "patina/estimate/texel_fit.h"
+
+#include <span>
+
+namespace patina {
+
+// Before filling and damping.
+struct TexelFit {
+    Reflectance reflectance;
+    bool observed = false;
+    bool specular_measured = false;
+    bool roughness_measured = false;
+    bool joint = false;  // fitted in one step: no T_diff pixels, or classes that do not settle
+    double misfit = 1;   // see FitErrors
+};
+
+// rows: with their classes. present: the texel's map, for the light that is predicted and
+// subtracted. previous: of the turn before; its `joint` is this turn's. noise_scale: see Estimate.
+// settled: no lobe becomes measured any more.
+[[nodiscard]] TexelFit fit_texel(std::span<const FitRow> rows,
+                                 const Reflectance& present,
+                                 const TexelFit& previous,
+                                 double noise_scale,
+                                 bool settled,
+                                 const FitOptions& options);
+
+}  // namespace patina
