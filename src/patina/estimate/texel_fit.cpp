@@ -178,7 +178,7 @@ Rgb direct_lobe_basis(const FitRow& row, double roughness) {
 
 Rgb lobe_basis(const FitRow& row, double roughness) {
     const IndirectLobe& lobe = row.indirect_lobe;
-    if (lobe.twice.isZero()) return direct_lobe_basis(row, roughness);
+    if ((lobe.twice == 0.0f).all()) return direct_lobe_basis(row, roughness);
     const auto octave = float(std::clamp(std::log2(roughness / row.indirect_roughness), -1.0, 1.0));
     // The parabola through the three widths; it may dip below zero only where all three are noise.
     const Rgbf slope = 0.5f * (lobe.twice - lobe.half);

@@ -71,6 +71,14 @@ TEST(TexelFit, IndirectLobeIsAParabolaInOctavesOfRoughness) {
     EXPECT_NEAR(at(2), at(1), kFloat);
 }
 
+// Radiance has the capture's own unit, so no light is too faint.
+TEST(TexelFit, FaintIndirectLobeCountsToo) {
+    FitRow row;
+    row.indirect_lobe = {Rgbf::Constant(1e-12f), Rgbf::Constant(1e-12f), Rgbf::Constant(1e-12f)};
+    const double roughness = row.indirect_roughness;
+    EXPECT_NEAR(lobe_basis(row, roughness)[0] / (1e-12 * square(roughness)), 1, 1e-6);
+}
+
 TEST(Classes, FollowTheMirrorAngleWhileThereAreNoMaps) {
     const FitOptions options;
     FitRow row;

@@ -145,7 +145,7 @@ class PhotonTracer {
         const Rgb irradiance = lamps_.turns_with_scanner
                                    ? turning_lamp(state, lamp_choice, sampler, azimuth)
                                    : fixed_lamp(state, lamp_choice);
-        if (irradiance.isZero()) return;
+        if ((irradiance == 0).all()) return;
         PhotonPaths::Path path;
         path.power = (irradiance * per_photon).cast<float>();
         path.first_bounce = static_cast<std::uint32_t>(block.bounces.size());
