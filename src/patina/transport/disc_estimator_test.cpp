@@ -130,13 +130,13 @@ INSTANTIATE_TEST_SUITE_P(
                     CornerCase{1, true, {0.50, 0.55, 0.63, 0.77, 0.92, 1.00}}));
 
 TEST(ConcaveCorner, LeavesTheRatioEstimatorUnbiased) {
-    // The same photons, located to texels of a 16th, in kernels of unit radius.
-    constexpr int kTexelsPerUnit = 16;
+    // The same photons, located to texels of an eighth, in kernels of unit radius.
+    constexpr int kTexelsPerUnit = 8;
     constexpr int kLength = 3;
     constexpr double kTexel = 1.0 / kTexelsPerUnit;
     Mesh mesh = rectangle({0, -2, 0}, {kLength, 0, 0}, {0, 4, 0}, {{0, 0}, {0.5, 1}});
     append(mesh, rectangle({0, -2, 0}, {0, 4, 0}, {0, 0, kLength}, {{0.5, 0}, {1, 1}}));
-    // The first chart has 3 x 4 units in 48 x 64 cells, the second 4 x 3 in as many.
+    // The first chart has 3 x 4 units in 24 x 32 cells, the second 4 x 3 in as many.
     const TexelAtlas atlas = build_atlas(mesh, 2 * kLength * kTexelsPerUnit, 4 * kTexelsPerUnit);
     RatioKernelOptions options;
     options.arrivals = 1e-9;

@@ -125,8 +125,29 @@ TEST(RatioKernel, StopsAtCreasesCracksAndSteps) {
     EXPECT_EQ(num_kernels_across(perpendicular_unit_squares(), 24, 48), 0U);
     EXPECT_EQ(num_kernels_across(convex_edge(), 48, 24), 0U);
     EXPECT_EQ(num_kernels_across(two_halves(0.5, 0), 24, 24), 0U) << "a crack of 12 texels";
-    // The tenth of the largest radius, 7 texels, is 0.7 / 24 = 0.029.
     EXPECT_EQ(num_kernels_across(two_halves(0, -0.035), 24, 24), 0U) << "a step of 0.84 texels";
+}
+
+TEST(RatioKernel, StaysNearTheTangentPlane) {
+    // One chart: a plate, a ramp of 40 degrees, which the normals' predicate lets through, and a
+    // plate three texels higher.
+    constexpr double kTexel = 1.0 / 24;
+    const double rise = 3 * kTexel;
+    const double run = rise / std::tan(radians(40.0));
+    Mesh mesh = rectangle(Vec3::Zero(), {0.5, 0, 0}, Vec3::UnitY(), {{0, 0}, {0.4, 1}});
+    append(mesh, rectangle({0.5, 0, 0}, {run, 0, rise}, Vec3::UnitY(), {{0.4, 0}, {0.6, 1}}));
+    append(mesh, rectangle({0.5 + run, 0, rise}, {0.5, 0, 0}, Vec3::UnitY(), {{0.6, 0}, {1, 1}}));
+    const TexelAtlas atlas = build_atlas(mesh, 30, 24);
+    const RatioKernel kernel = build_ratio_kernel(atlas, arrivals_of(atlas, 1), {});
+    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+        const Texel& center = atlas.texels[i];
+        const double reach = RatioKernelOptions().max_radius * std::sqrt(center.area);
+        for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
+            const Vec3 offset =
+                atlas.texels[kernel.texel[k]].point.position - center.point.position;
+            EXPECT_LE(std::abs(offset.dot(center.point.normal)), 0.1 * reach) << "texel " << i;
+        }
+    }
 }
 
 TEST(RatioKernel, SpreadsAcrossSeams) {
