@@ -105,7 +105,8 @@ IndirectIrradiance PhotonEngine::irradiance(const PhotonPaths& paths,
                                             std::span<const Rgbf> power) const {
     if (options_.irradiance == Irradiance::ratio) return indirect_irradiance(kernel_, paths, power);
     DiscOptions disc;
-    disc.neighbors = int(options_.kernel.arrivals);
+    // As many as the ratio estimator's kernel holds; a disc takes two or more.
+    disc.neighbors = int(std::clamp(options_.kernel.arrivals, 2.0, 1e9));
     return disc_indirect_irradiance(paths, power, atlas_, disc);
 }
 

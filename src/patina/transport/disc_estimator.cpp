@@ -120,8 +120,9 @@ std::vector<Rgbf> disc_irradiance(const DiscPhotons& photons,
     const Tree tree(3, cloud, nanoflann::KDTreeSingleIndexAdaptorParams(kPhotonsPerLeaf));
     const std::span<const Vec3f> filter =
         options.normal_filter ? photons.normals : std::span<const Vec3f>();
+    const std::size_t capacity = std::min(std::size_t(options.neighbors), photons.positions.size());
     parallel_blocks(irradiance.size(), kQueriesPerBlock, [&](std::size_t begin, std::size_t end) {
-        NeighborSet nearest(filter, std::size_t(options.neighbors));
+        NeighborSet nearest(filter, capacity);
         for (std::size_t i = begin; i < end; ++i) {
             nearest.restart(options.normal_filter ? queries.normals[i] : Vec3f::UnitZ());
             tree.findNeighbors(nearest, queries.positions[i].data(), {});
