@@ -26,7 +26,6 @@ find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)
 
 if(PATINA_BUILD_TESTS)
     find_package(GTest REQUIRED)
-    include(GoogleTest)
 endif()
 if(PATINA_BUILD_BENCH)
     find_package(benchmark REQUIRED)

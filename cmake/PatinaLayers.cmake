@@ -60,7 +60,9 @@ function(patina_add_test name)
     # Helpers of many tests: "support/<file>.h".
     target_include_directories(${name} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
     target_compile_definitions(${name} PRIVATE "PATINA_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
-    gtest_discover_tests(${name} DISCOVERY_TIMEOUT 60 PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600)
+    # One process for all of a program's tests: loading the image libraries takes longer than most tests.
+    add_test(NAME ${name} COMMAND ${name})
+    set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 900)
 endfunction()
 
 function(patina_add_all_layers)

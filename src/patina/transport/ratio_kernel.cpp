@@ -264,7 +264,8 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
             const float inverse_widest = 1 / (4 * variance);
             const float max_versine = 0.5f * kLobeReachSquared / inverse_widest;
             const std::uint32_t stride = lobe_stride(kernel, paths, i);
-            std::uint32_t to_skip = 0;
+            // From the middle of the first stride, so that no arrival is favoured.
+            std::uint32_t to_skip = stride / 2;
             IndirectLobe& sum = result[i];
             for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
                 const std::uint32_t last = paths.arrivals_begin[kernel.texel[k] + 1];
