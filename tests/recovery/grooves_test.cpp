@@ -4,8 +4,6 @@
 #include <gtest/gtest.h>
 
 #include "simulated_capture.h"
-#include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <vector>
 
@@ -50,12 +48,6 @@ EstimateOptions loop_options(Loop loop) {
     return options;
 }
 
-double largest(const std::vector<double>& errors) {
-    double result = 0;
-    for (const double error : errors) result = std::max(result, std::abs(error));
-    return result;
-}
-
 double mean(const std::vector<double>& errors) {
     return std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
 }
@@ -64,6 +56,11 @@ void expect_still_moving(const Estimate& plain, const Estimate& damped) {
     EXPECT_FALSE(plain.converged);
     EXPECT_GE(plain.iterations.size(), damped.iterations.size());
     EXPECT_GT(plain.iterations.back().change, kStillMoving);
+    // The maps swing between two that explain the images badly, one of them worse than the other.
+    const std::size_t last = plain.iterations.size() - 1;
+    for (const std::size_t turn : {last - 1, last}) {
+        EXPECT_GT(plain.iterations[turn].error, 10 * damped.iterations.back().error);
+    }
 }
 
 TEST(GrooveOf45Degrees, DampedLoopFindsTheTruthAndThePlainOneDoesNot) {
@@ -77,9 +74,7 @@ TEST(GrooveOf45Degrees, DampedLoopFindsTheTruthAndThePlainOneDoesNot) {
         if (on_wall == 0 || on_wall == 7) continue;
         EXPECT_NEAR(errors[row], 0, kTolerance) << "row " << row;
     }
-    const Estimate plain = capture.estimate(loop_options(Loop::plain));
-    expect_still_moving(plain, damped);
-    EXPECT_GT(largest(capture.row_errors(plain, 0)), kStillMoving);
+    expect_still_moving(capture.estimate(loop_options(Loop::plain)), damped);
 }
 
 // Texels are a fifth of the channel's width here, so single rows are smoothed; their mean is not.
@@ -88,9 +83,7 @@ TEST(Channel, DampedLoopFindsTheTruthAndThePlainOneDoesNot) {
     const Estimate damped = capture.estimate(loop_options(Loop::damped));
     EXPECT_TRUE(damped.converged);
     EXPECT_NEAR(mean(capture.row_errors(damped, 0)), 0, kTolerance);
-    const Estimate plain = capture.estimate(loop_options(Loop::plain));
-    expect_still_moving(plain, damped);
-    EXPECT_GT(largest(capture.row_errors(plain, 0)), kStillMoving);
+    expect_still_moving(capture.estimate(loop_options(Loop::plain)), damped);
 }
 
 }  // namespace
