@@ -10,6 +10,9 @@ namespace {
 constexpr double kSpecularRelativeError = 0.2;
 constexpr double kSpecularAbsoluteError = 0.01;
 constexpr double kSpecularDetection = 3.0;
+// Nor is a lobe measured whose width is not: what it fills around it would be as wide as it
+// pleases.
+constexpr double kRoughnessRelativeError = 0.2;
 constexpr double kStayMeasured = 1.5;
 constexpr double kInsideLobe = 2.0;   // [sigma]
 constexpr double kWidestShare = 0.8;  // of the widest sigma searched
@@ -42,7 +45,10 @@ void judge(std::span<const FitRow> rows,
     const double detection = ps / kSpecularDetection;
     fit.roughness_measured =
         lobe_is_shown(rows, fit.reflectance.roughness, options) &&
-        holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection));
+        holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection)) &&
+        holds(fit.roughness_measured,
+              scale * errors.roughness,
+              kRoughnessRelativeError * fit.reflectance.roughness);
     // Not told from zero: measured, to be matte, if no lobe of ordinary width would have escaped.
     const double matte_error = scale * errors.specular_sigma_known;
     const bool matte = ps < kSpecularDetection * matte_error &&

@@ -15,7 +15,7 @@ namespace patina {
 
 struct RatioKernelOptions {
     double arrivals = 150;    // per lamp set that a kernel should hold; > 0
-    double min_radius = 1.6;  // in units of the texel's size [-]; > 0
+    double min_radius = 1.0;  // in units of the texel's size [-]; > 0
     double max_radius = 7.0;  // in units of the texel's size [-]; >= min_radius
     int max_texels = 160;     // in one kernel; >= 1
 };
