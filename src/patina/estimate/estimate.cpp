@@ -162,6 +162,7 @@ class Iteration {
         TurnSums total;
         for (const TurnSums& block : sums) total += block;
         if (!settled) update_noise_scale();
+        drop_unconfirmed(capture_.atlas, fits_);
         fill_unmeasured(light);
 
         IterationLog log;

@@ -1,5 +1,7 @@
 #include "patina/estimate/texel_turn.h"
 
+#include "patina/base/parallel.h"
+
 #include <algorithm>
 
 namespace patina {
@@ -85,6 +87,35 @@ TexelFit fit_texel(std::span<const FitRow> rows,
     // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
     if (!fit.specular_measured) fit.reflectance.diffuse = fit_diffuse(rows, present, options);
     return fit;
+}
+
+void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
+    constexpr double kLargestFactor = 2.0;
+    const auto specular_albedo = [&fits](std::size_t i) {
+        return fits[i].reflectance.specular * square(fits[i].reflectance.roughness);
+    };
+    const auto confirms = [&](std::size_t neighbor, std::size_t i) {
+        if (!fits[neighbor].specular_measured) return false;
+        const bool glossy = fits[i].roughness_measured;
+        if (fits[neighbor].roughness_measured != glossy) return false;
+        const double ratio = glossy ? specular_albedo(neighbor) / specular_albedo(i) : 1.0;
+        return ratio < kLargestFactor && ratio * kLargestFactor > 1;
+    };
+    std::vector<std::uint8_t> dropped(fits.size(), 0);
+    parallel_for(fits.size(), [&](std::size_t i) {
+        if (!fits[i].specular_measured) return;
+        int num_observed = 0;
+        int num_confirming = 0;
+        for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
+            if (!fits[atlas.neighbors[k]].observed) continue;
+            ++num_observed;
+            num_confirming += confirms(atlas.neighbors[k], i);
+        }
+        dropped[i] = 2 * num_confirming < num_observed;
+    });
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        if (dropped[i] != 0) fits[i].specular_measured = fits[i].roughness_measured = false;
+    }
 }
 
 }  // namespace patina

@@ -27,4 +27,10 @@ struct TexelFit {
                                  bool settled,
                                  const FitOptions& options);
 
+// Takes back the measurements that their neighbours do not confirm: a lobe counts as measured only
+// if half of the observed texels around it have one of a specular albedo within a factor of two (or
+// are matte as it is). A stray fit would otherwise be spread along its whole row and column by the
+// filling. fits: one per texel of the atlas.
+void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits);
+
 }  // namespace patina

@@ -14,6 +14,11 @@
 namespace patina {
 namespace {
 
+// Neighbouring range samples further apart are not joined [m]: the step from the tail to the body
+// behind it, whose upper side the range finder hardly sees, is one surface; the gap between an ear
+// and the head is not.
+constexpr double kLargestStep = 0.012;
+
 // Object A [m]: the plates' depth, and their width along the edge that they share.
 constexpr double kPlateDepth = 0.15;
 constexpr double kPlateWidth = 0.2;
@@ -92,6 +97,7 @@ SimulatedObject from_figurine(
     RangeFrame frame;
     frame.height_begin = bounds.low.y() + kScanMargin;
     frame.height_end = bounds.high.y() - kScanMargin;
+    frame.max_step = kLargestStep;
     return {kind,
             name,
             std::move(mesh),
