@@ -313,8 +313,9 @@ std::string channel_section(const Capture& capture,
                             Progress& progress) {
     const TruthMaps truth = load_truth(capture.description);
     std::string text =
-        "A bright and glossy U-shaped channel, rendered with sensor noise by a renderer of another "
-        "house, so its truth is known. Errors of Pd over all texels of status 1 and 2; medians of "
+        "A bright and glossy U-shaped channel, rendered with sensor noise by an independent "
+        "renderer, so its truth is known. Errors of Pd over all texels of status 1 and 2; medians "
+        "of "
         "Ps over those of status 1, and of sigma where it is measured, with those of the truth at "
         "the same texels in brackets.\n\n";
     text += table_head({"",
@@ -364,7 +365,7 @@ std::string make_introduction(const PageSettings& settings) {
         "Estimates have their default settings but for {} photons for each set of lamps; at most "
         "{} turns of each loop. Held-out shots are rendered by the path tracer with {} paths a "
         "pixel. The relative RMSE is the root of the summed squared differences over the summed "
-        "squared image, over the pixels of status 1 and 2 (docs of [results](result.md)).\n\n"
+        "squared image, over the pixels of status 1 and 2 (see [results](result.md)).\n\n"
         "Unless said otherwise texels are those with nothing but seen texels within {} rows and "
         "columns of them, the same for every method; Pd is the mean of its three channels. Creases "
         "are the texels whose indirect irradiance is more than {} of the direct one, mean over the "
