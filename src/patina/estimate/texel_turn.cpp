@@ -52,7 +52,10 @@ void judge(std::span<const FitRow> rows,
               scale * errors.roughness,
               kRoughnessRelativeError * fit.reflectance.roughness);
     // Not told from zero: measured, to be matte, if no lobe of ordinary width would have escaped.
-    const double matte_error = scale * errors.specular_sigma_known;
+    // The width found means nothing then; a wide one would be excluded by any look.
+    Reflectance ordinary = fit.reflectance;
+    ordinary.roughness = std::min(ordinary.roughness, options.initial_roughness);
+    const double matte_error = scale * fit_errors(rows, ordinary).specular_sigma_known;
     const bool matte = ps < kSpecularDetection * matte_error &&
                        holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
     fit.specular_measured = fit.roughness_measured || matte;

@@ -18,6 +18,8 @@ namespace {
 // behind it, whose upper side the range finder hardly sees, is one surface; the gap between an ear
 // and the head is not.
 constexpr double kLargestStep = 0.012;
+// Coarse scans take at least so many times the distance of neighbouring samples.
+constexpr double kStepOverSpacing = 4.0;
 
 // Object A [m]: the plates' depth, and their width along the edge that they share.
 constexpr double kPlateDepth = 0.15;
@@ -97,7 +99,9 @@ SimulatedObject from_figurine(
     RangeFrame frame;
     frame.height_begin = bounds.low.y() + kScanMargin;
     frame.height_end = bounds.high.y() - kScanMargin;
-    frame.max_step = kLargestStep;
+    const double spacing = std::max(2 * kPi * kTypicalRadius / columns,
+                                    (frame.height_end - frame.height_begin) / rows);
+    frame.max_step = std::max(kLargestStep, kStepOverSpacing * spacing);
     return {kind,
             name,
             std::move(mesh),

@@ -169,8 +169,10 @@ TEST(RatioKernel, GrowsUntilItHoldsTheArrivalsAskedFor) {
     const auto ring = [](double count) { return 12 + 0.11 * count; };
     EXPECT_NEAR(double(size_with(3)), 50, ring(50));
     EXPECT_NEAR(double(size_with(1.5)), 100, ring(100));
-    // The smallest radius, 1.6 texels, is met by the texels at a distance of 2: 13 lie so near.
-    EXPECT_EQ(size_with(1000), 13U);
+    // A smallest radius of 1.6 texels is met by the texels at a distance of 2: 13 lie so near.
+    RatioKernelOptions wide;
+    wide.min_radius = 1.6;
+    EXPECT_EQ(size_with(1000, wide), 13U);
     RatioKernelOptions few;
     few.max_texels = 20;
     EXPECT_LE(size_with(1, few), 20U);
