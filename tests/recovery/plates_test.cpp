@@ -60,7 +60,7 @@ TEST_F(Plates, EachMethodFlattensTheProfileFurther) {
     // Beside the edge one sixth of red light has come by way of the other plate.
     EXPECT_GT(near_edge(direct), 0.15);
     // Method II leaves what comes by way of the lobe: the plates' specular albedo is 0.03 and more
-    // at the slant of the other plate, against a diffuse one of 0.62.
+    // at the slant of the other plate, against a diffuse one of 0.74.
     EXPECT_GT(near_edge(diffuse), 0.03);
     EXPECT_LT(near_edge(diffuse), 0.5 * near_edge(direct));
 }

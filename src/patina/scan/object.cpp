@@ -34,7 +34,7 @@ constexpr double kOutside = 0.5;
 // The range image begins and ends this far from the ends of the mesh [m].
 constexpr double kScanMargin = 0.0005;
 
-Finish plate_finish() { return {Rgb(0.62, 0.45, 0.32), 0.03, 0.2}; }
+Finish plate_finish() { return {Rgb(0.74, 0.5, 0.34), 0.03, 0.2}; }
 
 std::vector<Panel> plates() {
     const Vec3 right(kPlateWidth, 0, 0);
