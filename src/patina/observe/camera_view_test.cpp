@@ -2,29 +2,18 @@
 
 #include <gtest/gtest.h>
 
+#include "support/scenes.h"
+
 namespace patina {
 namespace {
-
-void add_rectangle(
-    Mesh& mesh, const Vec3& origin, const Vec3& x, const Vec3& y, Vec2 uv0, Vec2 uv1) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const Vec3& p : {origin, Vec3(origin + x), Vec3(origin + x + y), Vec3(origin + y)}) {
-        mesh.positions.push_back(p.cast<float>());
-        mesh.normals.push_back(Vec3f::Zero());
-    }
-    for (const Vec2& uv : {uv0, Vec2(uv1.x(), uv0.y()), uv1, Vec2(uv0.x(), uv1.y())}) {
-        mesh.uvs.push_back(uv.cast<float>());
-    }
-    mesh.triangles.push_back({first, first + 1, first + 2});
-    mesh.triangles.push_back({first, first + 2, first + 3});
-}
 
 // The square [-1, 1]^2 of the plane z = 0 facing +z, and a smaller one floating above its right
 // half.
 Mesh plane_under_a_tile() {
     Mesh mesh;
-    add_rectangle(mesh, {-1, -1, 0}, 2 * Vec3::UnitX(), 2 * Vec3::UnitY(), {0, 0}, {0.5, 1});
-    add_rectangle(mesh, {0.2, -0.5, 0.5}, 0.5 * Vec3::UnitX(), Vec3::UnitY(), {0.6, 0}, {1, 1});
+    append(mesh, rectangle({-1, -1, 0}, 2 * Vec3::UnitX(), 2 * Vec3::UnitY(), {{0, 0}, {0.5, 1}}));
+    append(mesh,
+           rectangle({0.2, -0.5, 0.5}, 0.5 * Vec3::UnitX(), Vec3::UnitY(), {{0.6, 0}, {1, 1}}));
     return mesh;
 }
 
@@ -107,7 +96,7 @@ TEST(CameraView, RegisteredCameraReadsTheTexelItself) {
 
 TEST(CameraView, PixelOverTexelComparesSizesOnTheSurface) {
     Mesh mesh;
-    add_rectangle(mesh, {-1, -1, 0}, 2 * Vec3::UnitX(), 2 * Vec3::UnitY(), {0, 0}, {1, 1});
+    append(mesh, rectangle({-1, -1, 0}, 2 * Vec3::UnitX(), 2 * Vec3::UnitY(), {{0, 0}, {1, 1}}));
     const TexelAtlas atlas = build_atlas(mesh, 50, 50);
     const Tracer tracer(mesh);
     const Camera camera = orthographic_from_above();

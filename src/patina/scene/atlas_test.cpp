@@ -2,38 +2,24 @@
 
 #include <gtest/gtest.h>
 
+#include "support/scenes.h"
 #include <algorithm>
 #include <set>
 
 namespace patina {
 namespace {
 
-// A rectangle of the xy plane, mapped to a rectangle of the texel domain.
-void add_rectangle(
-    Mesh& mesh, const Vec3& origin, const Vec3& x, const Vec3& y, Vec2 uv0, Vec2 uv1) {
-    const auto first = static_cast<std::uint32_t>(mesh.positions.size());
-    for (const Vec3& p : {origin, Vec3(origin + x), Vec3(origin + x + y), Vec3(origin + y)}) {
-        mesh.positions.push_back(p.cast<float>());
-        mesh.normals.push_back(Vec3f::Zero());
-    }
-    for (const Vec2& uv : {uv0, Vec2(uv1.x(), uv0.y()), uv1, Vec2(uv0.x(), uv1.y())}) {
-        mesh.uvs.push_back(uv.cast<float>());
-    }
-    mesh.triangles.push_back({first, first + 1, first + 2});
-    mesh.triangles.push_back({first, first + 2, first + 3});
-}
-
-Mesh rectangle(Vec2 uv0, Vec2 uv1) {
+Mesh mapped_rectangle(Vec2 uv0, Vec2 uv1) {
     Mesh mesh;
-    add_rectangle(mesh, Vec3::Zero(), 2 * Vec3::UnitX(), 3 * Vec3::UnitY(), uv0, uv1);
+    append(mesh, rectangle(Vec3::Zero(), 2 * Vec3::UnitX(), 3 * Vec3::UnitY(), {uv0, uv1}));
     return mesh;
 }
 
 // Two plates at a right angle that share an edge in space, with separate charts.
 Mesh corner_of_two_charts() {
     Mesh mesh;
-    add_rectangle(mesh, Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), {0, 0}, {0.4, 1});
-    add_rectangle(mesh, Vec3::Zero(), Vec3::UnitY(), Vec3::UnitZ(), {0.5, 0}, {1, 0.5});
+    append(mesh, rectangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY(), {{0, 0}, {0.4, 1}}));
+    append(mesh, rectangle(Vec3::Zero(), Vec3::UnitY(), Vec3::UnitZ(), {{0.5, 0}, {1, 0.5}}));
     return mesh;
 }
 
@@ -44,7 +30,7 @@ double total_area(const TexelAtlas& atlas) {
 }
 
 TEST(Atlas, TexelCentersFollowTheConvention) {
-    const Mesh mesh = rectangle({0, 0}, {1, 1});
+    const Mesh mesh = mapped_rectangle({0, 0}, {1, 1});
     const TexelAtlas atlas = build_atlas(mesh, 4, 8);
     ASSERT_EQ(atlas.texels.size(), 32u);
     for (const Texel& texel : atlas.texels) {
@@ -57,7 +43,7 @@ TEST(Atlas, TexelCentersFollowTheConvention) {
 }
 
 TEST(Atlas, AreasAddUpWhereChartsEndInsideCells) {
-    const Mesh mesh = rectangle({0.13, 0.21}, {0.87, 0.58});
+    const Mesh mesh = mapped_rectangle({0.13, 0.21}, {0.87, 0.58});
     const TexelAtlas atlas = build_atlas(mesh, 16, 16);
     EXPECT_NEAR(total_area(atlas), 6.0, 1e-5);
     // Every point of the surface has a texel.
