@@ -50,5 +50,9 @@ target_compile_options(
               # False alarms on "text" + std::string, gone in GCC 13 (GCC bug 105651).
               $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
               $<$<BOOL:${PATINA_WARNINGS_AS_ERRORS}>:-Werror>)
+# Eight single-precision lanes. Embree is pinned to the same instruction set (raytrace/tracer.cpp).
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
+    target_compile_options(patina_flags INTERFACE -march=x86-64-v3)
+endif()
 target_include_directories(patina_flags INTERFACE "${CMAKE_SOURCE_DIR}/src")
 target_link_libraries(patina_flags INTERFACE Eigen3::Eigen fmt::fmt)
