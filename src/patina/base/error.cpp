@@ -1,6 +1,6 @@
 #include "patina/base/error.h"
 
-#include <atomic>
+#include <algorithm>
 #include <csignal>
 
 namespace patina {
@@ -14,6 +14,13 @@ extern "C" void on_interrupt(int signal_number) {
     std::signal(signal_number, SIG_DFL);
 }
 
+// Names and pieces of files may hold anything; an error is one line that no terminal obeys.
+std::string without_control_characters(std::string line) {
+    const auto is_control = [](unsigned char c) { return c < 0x20 || c == 0x7f; };
+    std::replace_if(line.begin(), line.end(), is_control, '?');
+    return line;
+}
+
 std::string error_line(const std::string& place,
                        const std::string& field,
                        const std::string& problem,
@@ -22,7 +29,7 @@ std::string error_line(const std::string& place,
     if (!field.empty()) line += ": " + field;
     line += ": " + problem;
     if (!expected.empty()) line += " (expected " + expected + ")";
-    return line;
+    return without_control_characters(line);
 }
 
 }  // namespace

@@ -7,7 +7,7 @@
 namespace patina {
 
 // Bad input or bad words. what() is "FILE: FIELD: what is wrong (what was expected)", without the
-// leading "patina: " which the command line adds.
+// leading "patina: " which the command line adds: always one line, control characters replaced.
 class Error : public std::runtime_error {
   public:
     // place: a file, a folder or an option. field: a path such as "lights[2].intensity"; empty when
