@@ -8,6 +8,7 @@
 
 #include "commands.h"
 #include <cstdio>
+#include <filesystem>
 #include <new>
 
 namespace patina {
@@ -144,6 +145,11 @@ int main(int argc, char** argv) {
         return run(argc, argv);
     } catch (const Error& error) {
         return fail(kWrongInput, error.what());
+    } catch (const std::filesystem::filesystem_error& error) {
+        // Raised where a path cannot even be looked at: too long, or in a folder of another user.
+        const Error refused(
+            error.path1().string(), "", "is refused: " + error.code().message(), "another path");
+        return fail(kWrongInput, refused.what());
     } catch (const WorkFailed& error) {
         return fail(kWorkFailed, error.what());
     } catch (const Interrupted& error) {
