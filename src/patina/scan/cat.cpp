@@ -10,19 +10,20 @@ namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
 
-constexpr double kTailHeight = 0.65;  // of its middle line [cm]
-constexpr double kTailRadius = 1.15;  // at its root [cm]
+constexpr double kTailHeight = 0.75;  // of its middle line [cm]
+constexpr double kTailRadius = 1.2;   // at its root [cm]
 
 // Where shape and markings must agree [cm].
 const Vec3 kNose(0, 14.05, 4.55);
 const Vec3 kNoseRadii(0.5, 0.35, 0.35);
-const Vec3 kEye(1.27, 14.98, 3.1);
+const Vec3 kEye(1.3, 14.95, 3.05);
+const Vec3 kEyeRadii(0.8, 0.75, 0.65);
 
 Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 
 // All shapes below are in centimetres; q is p with x made positive, so one half stands for both.
 double body(const Vec3& p, const Vec3& q) {
-    double d = rounded_cone_distance(p, {0, 3.7, -0.9}, {0, 10.4, 0.7}, 4.4, 2.35);
+    double d = rounded_cone_distance(p, {0, 3.7, -0.9}, {0, 10.4, 0.7}, 4.4, 2.25);
     const double chest = ellipsoid_distance(p, {0, 8.3, 1.7}, {2.75, 3.0, 2.3});
     d = smooth_union(d, chest, 1.2);
     const double haunch = ellipsoid_distance(q, {3.4, 3.0, -0.2}, {1.9, 3.5, 3.3});
@@ -30,10 +31,10 @@ double body(const Vec3& p, const Vec3& q) {
 }
 
 double legs(const Vec3& q) {
-    const double front = rounded_cone_distance(q, {1.55, 7.5, 3.0}, {1.6, 1.3, 3.9}, 1.25, 1.15);
-    const double front_paw = ellipsoid_distance(q, {1.65, 0.4, 4.5}, {1.35, 1.35, 1.65});
-    const double hind_paw = ellipsoid_distance(q, {3.9, 0.35, 2.9}, {1.25, 1.3, 1.9});
-    return std::min(smooth_union(front, front_paw, 0.5), hind_paw);
+    const double front = rounded_cone_distance(q, {1.4, 7.5, 3.0}, {1.4, 1.3, 3.7}, 1.3, 1.3);
+    const double front_paw = ellipsoid_distance(q, {1.45, 0.4, 4.3}, {1.4, 1.6, 1.6});
+    const double hind_paw = ellipsoid_distance(q, {3.7, 0.35, 2.5}, {1.3, 1.6, 2.0});
+    return smooth_union(smooth_union(front, front_paw, 1.0), hind_paw, 0.5);
 }
 
 using TailPoints = std::array<ChainPoint, 17>;
@@ -43,7 +44,7 @@ TailPoints make_tail() {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double t = double(i) / double(points.size() - 1);
         const double azimuth = radians(185.0 - 140.0 * t);
-        const double distance = 5.2 + 0.55 * std::sin(kPi * t);
+        const double distance = 4.35 + 0.3 * std::sin(kPi * t);
         const Vec3 position(
             distance * std::sin(azimuth), kTailHeight, distance * std::cos(azimuth));
         points[i] = {position, kTailRadius - 0.3 * t};
@@ -59,17 +60,18 @@ double tail(const Vec3& p) {
 }
 
 double ears(const Vec3& q) {
-    const double shell = rounded_cone_distance(q, {1.75, 16.3, 0.7}, {2.55, 19.3, 0.6}, 1.45, 0.22);
-    const double flattened = std::max(shell, std::abs(q.z() - 0.65) - 0.75);
-    const double hollow = ellipsoid_distance(q, {2.1, 17.3, 1.75}, {0.75, 1.5, 0.75});
-    return smooth_difference(flattened, hollow, 0.25);
+    const double shell = rounded_cone_distance(q, {1.7, 16.0, 0.7}, {2.35, 18.9, 0.6}, 1.5, 0.4);
+    const double slab = std::abs(q.z() - 0.65) - 0.9;
+    const double flattened = smooth_difference(shell, -slab, 0.5);
+    const double hollow = ellipsoid_distance(q, {2.05, 17.1, 2.1}, {0.85, 1.5, 0.8});
+    return smooth_difference(flattened, hollow, 0.5);
 }
 
 double head(const Vec3& p, const Vec3& q) {
     double d = ellipsoid_distance(p, {0, 14.4, 0.9}, {3.5, 2.9, 3.1});
     const double cheek = sphere_distance(q, {1.9, 13.6, 1.7}, 1.7);
     d = smooth_union(d, cheek, 0.8);
-    d = smooth_union(d, ears(q), 0.4);
+    d = smooth_union(d, ears(q), 0.8);
     const double muzzle = ellipsoid_distance(q, {0.72, 13.35, 3.75}, {0.95, 0.8, 0.85});
     d = smooth_union(d, muzzle, 0.3);
     const double chin = sphere_distance(p, {0, 12.75, 3.4}, 0.7);
@@ -78,16 +80,16 @@ double head(const Vec3& p, const Vec3& q) {
     d = smooth_union(d, bridge, 0.5);
     const double nose = ellipsoid_distance(p, kNose, kNoseRadii);
     d = smooth_union(d, nose, 0.12);
-    const double socket = ellipsoid_distance(q, {1.3, 15.0, 3.75}, {0.85, 0.7, 0.55});
-    d = smooth_difference(d, socket, 0.3);
-    const double eye = ellipsoid_distance(q, kEye, {0.62, 0.6, 0.45});
-    return smooth_union(d, eye, 0.1);
+    const double socket = ellipsoid_distance(q, {1.35, 15.0, 3.85}, {1.1, 0.9, 0.6});
+    d = smooth_difference(d, socket, 0.6);
+    const double eye = ellipsoid_distance(q, kEye, kEyeRadii);
+    return smooth_union(d, eye, 0.3);
 }
 
 double cat_distance(const Vec3& p) {
     const Vec3 q = mirrored(p);
-    double d = smooth_union(body(p, q), legs(q), 0.35);
-    d = smooth_union(d, tail(p), 0.25);
+    double d = smooth_union(body(p, q), legs(q), 0.5);
+    d = smooth_union(d, tail(p), 0.6);
     d = smooth_union(d, head(p, q), 0.5);
     return smooth_difference(d, p.y(), 0.2);
 }
@@ -129,9 +131,9 @@ Finish cat_finish(const Vec3& p, double crease) {
     finish = blend(finish, pale, smooth_step(0.06, 0.3, crease));
     finish =
         blend(finish, nose, 1 - smooth_step(0.0, 0.15, ellipsoid_distance(p, kNose, kNoseRadii)));
-    const double iris = (q - kEye).norm();
-    finish = blend(finish, eye, 1 - smooth_step(0.6, 0.7, iris));
-    const double slit = (q - kEye).cwiseQuotient(Vec3(0.2, 0.5, 1.0)).norm();
+    const double iris = (q - kEye).cwiseQuotient(kEyeRadii).norm();
+    finish = blend(finish, eye, 1 - smooth_step(1.03, 1.15, iris));
+    const double slit = (q - kEye).cwiseQuotient(Vec3(0.26, 0.63, 1.0)).norm();
     return blend(finish, pupil, 1 - smooth_step(0.8, 1.0, slit));
 }
 

@@ -34,14 +34,32 @@ struct CreaseSums {
 
 struct AreaSums {
     double total = 0;
-    double hidden = 0;
+    double chosen = 0;
 
     AreaSums& operator+=(const AreaSums& other) {
         total += other.total;
-        hidden += other.hidden;
+        chosen += other.chosen;
         return *this;
     }
 };
+
+// Share of the area but the underside whose triangles' middles are chosen [-].
+template <typename Predicate>
+double area_share(const Mesh& mesh, const Predicate& is_chosen) {
+    const auto area = [&](std::size_t i) {
+        const auto triangle = std::uint32_t(i);
+        const SurfacePoint point = surface_point(mesh, triangle, Vec2f::Constant(1 / 3.0f));
+        const bool is_underside =
+            point.geometric_normal.y() < kUndersideSlope && point.position.y() < kUndersideHeight;
+        AreaSums sums;
+        if (is_underside) return sums;
+        sums.total = triangle_area(mesh, triangle);
+        sums.chosen = is_chosen(point) ? sums.total : 0;
+        return sums;
+    };
+    const AreaSums sums = ordered_reduce(mesh.triangles.size(), AreaSums{}, area);
+    return sums.chosen / sums.total;
+}
 
 bool shows_highlight(const SimulatedObject& object,
                      const SurfacePoint& point,
@@ -174,23 +192,19 @@ CreaseLight crease_light(const SimulatedObject& object,
 }
 
 double hidden_area_share(const SimulatedObject& object) {
-    const auto area = [&](std::size_t i) {
-        const auto triangle = std::uint32_t(i);
-        const SurfacePoint point = surface_point(object.mesh, triangle, Vec2f::Constant(1 / 3.0f));
-        const bool is_underside =
-            point.geometric_normal.y() < kUndersideSlope && point.position.y() < kUndersideHeight;
-        AreaSums sums;
-        if (is_underside) return sums;
-        sums.total = triangle_area(object.mesh, triangle);
+    return area_share(object.mesh, [&](const SurfacePoint& point) {
         const Vec3 outwards = Vec3(point.position.x(), 0, point.position.z()).normalized();
-        const bool is_hidden =
-            point.geometric_normal.dot(outwards) <= 0 ||
-            object.tracer.occluded(object.tracer.offset(point, outwards), outwards);
-        sums.hidden = is_hidden ? sums.total : 0;
-        return sums;
-    };
-    const AreaSums sums = ordered_reduce(object.mesh.triangles.size(), AreaSums{}, area);
-    return sums.hidden / sums.total;
+        return point.geometric_normal.dot(outwards) <= 0 ||
+               object.tracer.occluded(object.tracer.offset(point, outwards), outwards);
+    });
+}
+
+double missing_area_share(const SimulatedObject& object, const Mesh& scanned, double tolerance) {
+    const Tracer tracer(scanned);
+    return area_share(object.mesh, [&](const SurfacePoint& point) {
+        const Vec3 origin = point.position + tolerance * point.normal;
+        return !tracer.intersect(origin, -point.normal, 0, 2 * tolerance);
+    });
 }
 
 }  // namespace patina

@@ -46,4 +46,11 @@ struct CreaseLight {
 // Share of a figurine's area that the range finder cannot see, its underside left out [-].
 [[nodiscard]] double hidden_area_share(const SimulatedObject& object);
 
+// Share of a figurine's area that lies further than `tolerance` [m], along its normal, from the
+// surface made of its range image, the underside left out [-]: what is hidden, and what is lost at
+// jumps or between pixels.
+[[nodiscard]] double missing_area_share(const SimulatedObject& object,
+                                        const Mesh& scanned,
+                                        double tolerance);
+
 }  // namespace patina

@@ -10,10 +10,11 @@ namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
 
-constexpr double kTailFront = -8.7;  // where the tail begins [cm]
+constexpr double kTailFront = -8.0;  // where the tail begins [cm]
 
 // Where shape and markings must agree [cm].
-const Vec3 kEye(1.68, 9.95, 5.05);
+const Vec3 kEye(1.68, 9.95, 4.95);
+const Vec3 kEyeRadii(0.7, 0.7, 0.65);
 
 Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
 
@@ -35,17 +36,17 @@ double legs(const Vec3& q) {
 double snout(const Vec3& p, const Vec3& q) {
     const double disc = rounded_cylinder_distance(p, {0, 8.0, 5.5}, {0, 7.85, 8.3}, 1.75, 0.35);
     const double nostril = ellipsoid_distance(q, {0.65, 7.95, 8.35}, {0.33, 0.6, 0.5});
-    return smooth_difference(disc, nostril, 0.15);
+    return smooth_difference(disc, nostril, 0.3);
 }
 
 double ears(const Vec3& q) {
-    const double shell = rounded_cone_distance(q, {2.0, 11.7, 1.6}, {3.5, 13.9, 2.9}, 1.5, 0.35);
+    const double shell = rounded_cone_distance(q, {2.0, 11.5, 1.6}, {3.3, 13.6, 2.8}, 1.6, 0.5);
     // A slab across the direction in which the ear faces: forwards, outwards and a little upwards.
     const Vec3 facing = Vec3(0.15, -0.5, 0.85).normalized();
-    const double slab = std::abs((q - Vec3(2.7, 12.7, 2.2)).dot(facing)) - 0.62;
-    const double flap = smooth_difference(shell, -slab, 0.3);
-    const double hollow = ellipsoid_distance(q, {2.75, 12.65, 3.05}, {0.75, 1.1, 0.6});
-    return smooth_difference(flap, hollow, 0.25);
+    const double slab = std::abs((q - Vec3(2.7, 12.7, 2.2)).dot(facing)) - 0.8;
+    const double flap = smooth_difference(shell, -slab, 0.5);
+    const double hollow = ellipsoid_distance(q, {2.7, 12.5, 3.35}, {0.85, 1.2, 0.65});
+    return smooth_difference(flap, hollow, 0.5);
 }
 
 double head(const Vec3& p, const Vec3& q) {
@@ -53,11 +54,11 @@ double head(const Vec3& p, const Vec3& q) {
     const double cheek = sphere_distance(q, {2.1, 7.3, 3.2}, 1.9);
     d = smooth_union(d, cheek, 0.9);
     d = smooth_union(d, snout(p, q), 0.35);
-    d = smooth_union(d, ears(q), 0.35);
-    const double socket = ellipsoid_distance(q, {1.75, 10.0, 5.6}, {0.75, 0.75, 0.5});
-    d = smooth_difference(d, socket, 0.3);
-    const double eye = sphere_distance(q, kEye, 0.5);
-    return smooth_union(d, eye, 0.1);
+    d = smooth_union(d, ears(q), 0.8);
+    const double socket = ellipsoid_distance(q, {1.75, 10.0, 5.8}, {1.0, 1.0, 0.55});
+    d = smooth_difference(d, socket, 0.6);
+    const double eye = ellipsoid_distance(q, kEye, kEyeRadii);
+    return smooth_union(d, eye, 0.35);
 }
 
 using TailPoints = std::array<ChainPoint, 17>;
@@ -67,9 +68,10 @@ TailPoints make_tail() {
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double t = double(i) / double(points.size() - 1);
         const double turn = 2 * kPi * (0.25 + 1.05 * t);
-        const Vec3 position(
-            0.95 * std::cos(turn), 8.3 + 0.95 * std::sin(turn) - 0.3 * t, -9.2 - 0.6 * t);
-        points[i] = {position, 0.5 - 0.15 * t};
+        const double rise = 1.25 * std::sin(turn) - 0.3 * t;
+        // Lies on the rump, which leans by a third there.
+        const Vec3 position(1.25 * std::cos(turn), 8.3 + rise, -9.2 + 0.33 * rise - 0.15 * t);
+        points[i] = {position, 0.7 - 0.1 * t};
     }
     return points;
 }
@@ -85,7 +87,7 @@ double pig_distance(const Vec3& p) {
     const Vec3 q = mirrored(p);
     double d = smooth_union(trunk(p), legs(q), 0.5);
     d = smooth_union(d, head(p, q), 0.45);
-    d = smooth_union(d, tail(p), 0.2);
+    d = smooth_union(d, tail(p), 0.6);
     return smooth_difference(d, p.y(), 0.2);
 }
 
@@ -112,7 +114,8 @@ Finish pig_finish(const Vec3& p, double crease) {
     finish = blend(finish, rosy, smooth_step(6.3, 6.9, p.z()));
     // The glaze of an old figurine stays bright where nobody touches it.
     finish = blend(finish, pale, smooth_step(0.06, 0.3, crease));
-    return blend(finish, eye, 1 - smooth_step(0.53, 0.6, (q - kEye).norm()));
+    const double eyeball = (q - kEye).cwiseQuotient(kEyeRadii).norm();
+    return blend(finish, eye, 1 - smooth_step(1.03, 1.15, eyeball));
 }
 
 }  // namespace
