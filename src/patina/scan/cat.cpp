@@ -34,7 +34,10 @@ double legs(const Vec3& q) {
     const double front = rounded_cone_distance(q, {1.4, 7.5, 3.0}, {1.4, 1.3, 3.7}, 1.3, 1.3);
     const double front_paw = ellipsoid_distance(q, {1.45, 0.4, 4.3}, {1.4, 1.6, 1.6});
     const double hind_paw = ellipsoid_distance(q, {3.7, 0.35, 2.5}, {1.3, 1.6, 2.0});
-    return smooth_union(smooth_union(front, front_paw, 1.0), hind_paw, 0.5);
+    // Fills the narrow gap between the front feet, where no range finder sees the ground.
+    const double between = ellipsoid_distance(q, {0, 0.4, 3.7}, {1.2, 1.7, 1.5});
+    const double front_feet = smooth_union(smooth_union(front, front_paw, 1.0), between, 0.6);
+    return smooth_union(front_feet, hind_paw, 0.5);
 }
 
 using TailPoints = std::array<ChainPoint, 17>;
