@@ -1,4 +1,5 @@
 // glTF 2.0, text and binary, through tinygltf, which only this file includes.
+#include "patina/base/output_file.h"
 #include "patina/scene/polygon_soup.h"
 
 #include <fmt/format.h>
@@ -9,14 +10,21 @@
 #define TINYGLTF_NO_EXTERNAL_IMAGE
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <cstring>
+#include <filesystem>
+#include <stdexcept>
 #include <string_view>
 #include <tiny_gltf.h>
 
 namespace patina {
 namespace {
 
+namespace fs = std::filesystem;
 using Affine = Eigen::Affine3d;
+
+// Brackets of JSON within each other; far more than glTF and its extensions need.
+constexpr std::size_t kMaxDepth = 256;
 
 // Extensions a file may require that do not change where the surface is.
 bool is_harmless(std::string_view extension) {
@@ -37,9 +45,7 @@ class GltfParser {
         }
         if (model_.scenes.empty()) place_.fail("has no scene", "a scene with a mesh");
         const int scene = std::max(model_.defaultScene, 0);
-        for (const int node : at(model_.scenes, scene, "scene").nodes) {
-            add_node(node, Affine::Identity());
-        }
+        add_nodes(at(model_.scenes, scene, "scene").nodes);
         return std::move(soup_);
     }
 
@@ -68,19 +74,37 @@ class GltfParser {
         return transform;
     }
 
-    void add_node(int index, const Affine& world_from_parent) {
-        const tinygltf::Node& node = at(model_.nodes, index, "node");
-        if (visited_[std::size_t(index)]) {
-            place_.fail(fmt::format("uses node {} twice", index), "nodes that form a tree");
-        }
-        visited_[std::size_t(index)] = true;
-        const Affine world_from_node = world_from_parent * transform_of(node);
-        if (node.mesh >= 0) {
-            for (const auto& primitive : at(model_.meshes, node.mesh, "mesh").primitives) {
-                add_primitive(primitive, world_from_node);
+    struct PendingNode {
+        int index;
+        Affine world_from_parent;
+    };
+
+    // Parents before their children, children in their order; by hand, as a file may nest its nodes
+    // deeper than the stack reaches.
+    void add_nodes(const std::vector<int>& roots) {
+        std::vector<PendingNode> pending;
+        const auto push = [&pending](const std::vector<int>& nodes, const Affine& transform) {
+            for (auto node = nodes.rbegin(); node != nodes.rend(); ++node) {
+                pending.push_back({*node, transform});
             }
+        };
+        push(roots, Affine::Identity());
+        while (!pending.empty()) {
+            const auto [index, world_from_parent] = pending.back();
+            pending.pop_back();
+            const tinygltf::Node& node = at(model_.nodes, index, "node");
+            if (visited_[std::size_t(index)]) {
+                place_.fail(fmt::format("uses node {} twice", index), "nodes that form a tree");
+            }
+            visited_[std::size_t(index)] = true;
+            const Affine world_from_node = world_from_parent * transform_of(node);
+            if (node.mesh >= 0) {
+                for (const auto& primitive : at(model_.meshes, node.mesh, "mesh").primitives) {
+                    add_primitive(primitive, world_from_node);
+                }
+            }
+            push(node.children, world_from_node);
         }
-        for (const int child : node.children) add_node(child, world_from_node);
     }
 
     // One component as glTF stores it; integers count from 0 to 1 (or -1 to 1) where normalised.
@@ -267,26 +291,96 @@ bool skip_image(tinygltf::Image*,
     return true;
 }
 
+// How a glTF reaches the files beside it, the .bin of its buffers: user_data is the mesh's folder,
+// which no path may leave (tinygltf itself would look in the working folder, too).
+bool lies_beside(const std::string& path, void* user_data) {
+    const auto& folder = *static_cast<const fs::path*>(user_data);
+    std::error_code code;
+    const fs::path file = fs::canonical(path, code);
+    if (code || !fs::is_regular_file(file, code)) return false;
+    const fs::path root = fs::canonical(folder, code);
+    return std::mismatch(root.begin(), root.end(), file.begin(), file.end()).first == root.end();
+}
+
+bool read_beside(std::vector<unsigned char>* out, std::string*, const std::string& path, void*) {
+    const std::string contents = read_file(path);
+    out->assign(contents.begin(), contents.end());
+    return true;
+}
+
+std::string keep_path(const std::string& path, void*) { return path; }
+
+// The JSON of a text or binary glTF: all of the first, the first chunk of the second.
+std::string_view json_of(std::string_view contents) {
+    constexpr std::size_t kLengthBegin = 12;  // after magic, version and length of the whole
+    constexpr std::size_t kJsonBegin = 20;    // after length and type of the chunk
+    if (!contents.starts_with("glTF") || contents.size() < kJsonBegin) return contents;
+    std::uint32_t length = 0;
+    for (std::size_t i = 0; i < sizeof length; ++i) {
+        const auto byte = static_cast<unsigned char>(contents[kLengthBegin + i]);
+        length |= std::uint32_t{byte} << (8 * i);
+    }
+    return contents.substr(kJsonBegin, length);
+}
+
+// Whether lists and objects of a JSON text lie in each other more than kMaxDepth times: tinygltf
+// copies free-form parts of the document by recursion.
+bool is_nested_too_deeply(std::string_view json) {
+    std::size_t depth = 0;
+    bool in_text = false;
+    for (std::size_t i = 0; i < json.size(); ++i) {
+        const char c = json[i];
+        if (in_text && c == '\\') {
+            ++i;
+        } else if (c == '"') {
+            in_text = !in_text;
+        } else if (!in_text && (c == '[' || c == '{')) {
+            if (++depth > kMaxDepth) return true;
+        } else if (!in_text && (c == ']' || c == '}') && depth > 0) {
+            --depth;
+        }
+    }
+    return false;
+}
+
+// False, with the problem, where the file is damaged; tinygltf lets some faults out as exceptions.
+bool load_model(tinygltf::TinyGLTF& loader,
+                const std::string& contents,
+                const fs::path& folder,
+                tinygltf::Model& model,
+                std::string& problem) {
+    std::string warning;
+    const auto size = static_cast<unsigned int>(contents.size());
+    const auto* const bytes = reinterpret_cast<const unsigned char*>(contents.data());
+    try {
+        return contents.starts_with("glTF")
+                   ? loader.LoadBinaryFromMemory(
+                         &model, &problem, &warning, bytes, size, folder.string())
+                   : loader.LoadASCIIFromString(
+                         &model, &problem, &warning, contents.data(), size, folder.string());
+    } catch (const std::logic_error& error) {
+        problem = error.what();
+    } catch (const nlohmann::json::exception& error) {
+        problem = error.what();
+    }
+    return false;
+}
+
 }  // namespace
 
 PolygonSoup parse_gltf(const std::string& contents, const MeshPlace& place) {
+    if (is_nested_too_deeply(json_of(contents))) {
+        place.fail("is nested too deeply", fmt::format("{} levels", kMaxDepth));
+    }
     tinygltf::TinyGLTF loader;
     loader.SetImageLoader(skip_image, nullptr);
+    fs::path folder = fs::absolute(place.path).parent_path();
+    loader.SetFsCallbacks({lies_beside, keep_path, read_beside, nullptr, &folder});
     tinygltf::Model model;
     std::string problem;
-    std::string warning;
-    const std::string folder = place.path.parent_path().string();
-    const auto size = static_cast<unsigned int>(contents.size());
-    const bool loaded =
-        contents.starts_with("glTF")
-            ? loader.LoadBinaryFromMemory(&model,
-                                          &problem,
-                                          &warning,
-                                          reinterpret_cast<const unsigned char*>(contents.data()),
-                                          size,
-                                          folder)
-            : loader.LoadASCIIFromString(&model, &problem, &warning, contents.data(), size, folder);
-    if (!loaded) place.fail("cannot be read: " + one_line(problem), "a complete glTF 2.0 file");
+    if (!load_model(loader, contents, folder, model, problem)) {
+        place.fail("cannot be read: " + one_line(problem), "a complete glTF 2.0 file");
+    }
     return GltfParser(model, place).parse();
 }
 

@@ -4,9 +4,11 @@
 #include "patina/base/output_file.h"
 #include "patina/base/test_folder.h"
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 
 #include <bit>
+#include <cmath>
 #include <cstring>
 
 namespace patina {
@@ -134,6 +136,16 @@ TEST(ReadObj, NamesLineAndFault) {
     expect_error("a.obj",
                  vertices + "vt 0 0\nf 1/1 2/1 3/1\nf 1 2 3\n",
                  "only some faces have texture coordinates");
+}
+
+TEST(ReadObj, RefusesPolygonsOfEndlessWork) {
+    std::string ring;
+    std::string face = "f";
+    for (int i = 1; i <= 1025; ++i) {
+        ring += fmt::format("v {} {} 0\n", std::cos(0.006 * i), std::sin(0.006 * i));
+        face += fmt::format(" {}", i);
+    }
+    expect_error("a.obj", ring + face + "\n", "a face has 1025 corners (expected from 3 to 1024)");
 }
 
 TEST(ReadPly, ReadsAsciiWithOtherPropertiesAndElements) {
@@ -306,6 +318,59 @@ TEST(ReadGltf, NamesTheFault) {
     std::string too_long = triangle_gltf("");
     too_long.replace(too_long.find(R"("count":3)"), 9, R"("count":9)");
     expect_fault(too_long, "leaves its buffer");
+}
+
+TEST(ReadGltf, FollowsNodesHoweverDeep) {
+    const TestFolder folder;
+    write_file(folder / "a.bin", triangle_buffer());
+    constexpr int kNumNodes = 100'000;
+    std::string nodes = R"({"children":[1]})";
+    for (int i = 2; i < kNumNodes; ++i) nodes += fmt::format(R"(,{{"children":[{}]}})", i);
+    std::string json = triangle_gltf("");
+    const std::string only_node = R"({"mesh":0})";
+    json.replace(json.find(only_node), only_node.size(), nodes + "," + only_node);
+    EXPECT_EQ(read_text(folder, "a.gltf", json).triangles.size(), 1u);
+}
+
+TEST(ReadGltf, RefusesDeepNesting) {
+    const std::string lists(100'000, '[');
+    const std::string ends(100'000, ']');
+    expect_error("a.gltf",
+                 triangle_gltf("", R"(,"extras":)" + lists + ends),
+                 "is nested too deeply (expected 256 levels)");
+    // Brackets in a text are not structure, whether they open or close.
+    expect_error("a.gltf", triangle_gltf("", R"(,"extras":"\")" + lists + "\""), "cannot be read");
+}
+
+TEST(ReadGltf, BuffersMayNotLeaveTheFolder) {
+    const TestFolder folder;
+    write_file(folder / "a.bin", triangle_buffer());
+    fs::create_directory(folder / "inner");
+    const auto expect_refused = [&](const std::string& uri) {
+        std::string json = triangle_gltf("");
+        json.replace(json.find("a.bin"), 5, uri);
+        EXPECT_THAT([&] { (void)read_text(folder, "inner/a.gltf", json); },
+                    testing::ThrowsMessage<Error>(HasSubstr("cannot be read")))
+            << uri;
+    };
+    expect_refused("../a.bin");
+    expect_refused((folder / "a.bin").string());
+    fs::create_symlink("../a.bin", folder / "inner/link.bin");
+    expect_refused("link.bin");
+}
+
+TEST(ReadGltf, RefusesAnEmptyBuffer) {
+    std::string json = triangle_gltf("");
+    json.replace(json.find(R"("uri":"a.bin","byteLength":66)"), 30, R"("byteLength":0)");
+    json.resize((json.size() + 3) / 4 * 4, ' ');
+    std::string glb = "glTF";
+    append_u32(glb, 2);
+    append_u32(glb, 12 + 8 + json.size() + 8 + 4);
+    append_u32(glb, json.size());
+    glb += "JSON" + json;
+    append_u32(glb, 4);
+    glb += std::string("BIN\0", 4) + std::string(4, '\0');
+    expect_error("a.glb", glb, "cannot be read");
 }
 
 }  // namespace

@@ -14,6 +14,9 @@
 namespace patina {
 namespace {
 
+// Cutting up a polygon takes up to the cube of its corners in time.
+constexpr std::size_t kMaxCorners = 1024;
+
 void check_finite(const PolygonSoup& soup, const MeshPlace& place) {
     const auto check = [&](const auto& values, const char* what) {
         for (std::size_t i = 0; i < values.size(); ++i) {
@@ -143,8 +146,9 @@ Mesh mesh_from_soup(const PolygonSoup& soup, const MeshPlace& place) {
     for (const std::size_t end : soup.polygon_ends) {
         const std::span<const PolygonCorner> corners(soup.corners.data() + begin, end - begin);
         begin = end;
-        if (corners.size() < 3) {
-            place.fail(fmt::format("a face has {} corners", corners.size()), "at least 3");
+        if (corners.size() < 3 || corners.size() > kMaxCorners) {
+            place.fail(fmt::format("a face has {} corners", corners.size()),
+                       fmt::format("from 3 to {}", kMaxCorners));
         }
         std::vector<Vec3> points;
         for (const PolygonCorner& corner : corners) {
