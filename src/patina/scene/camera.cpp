@@ -104,7 +104,9 @@ std::optional<Vec2> Camera::project(const Vec3& p_world) const {
     const Vec2 undistorted = p.head<2>() / p.z();
     if (folds_over(distortion, undistorted.squaredNorm())) return std::nullopt;
     const Vec2 q = distort(distortion, undistorted);
-    return Vec2(fx * q.x() + cx, fy * q.y() + cy);
+    const Vec2 pixel(fx * q.x() + cx, fy * q.y() + cy);
+    // The polynomial of a point beside the camera may overflow.
+    return pixel.allFinite() ? std::optional(pixel) : std::nullopt;
 }
 
 Ray Camera::ray(const Vec2& pixel) const {

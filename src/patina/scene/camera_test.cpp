@@ -44,6 +44,11 @@ TEST(Camera, PinholeDoesNotSeeWhatIsBehindIt) {
     EXPECT_FALSE(pinhole().project(Vec3(1, 0, 0)));
 }
 
+TEST(Camera, DoesNotSeeWhereItsDistortionOverflows) {
+    constexpr double kHuge = 1.5e308;
+    EXPECT_FALSE(pinhole({kHuge, -kHuge, 0, 0, 0}).project(Vec3(1, 1, 1)));
+}
+
 // OpenCV's formula worked out by hand at (x, y) = (0.5, 0.25), r^2 = 0.3125.
 TEST(Camera, DistortsAsOpenCvDoes) {
     const double k1 = 0.1;
