@@ -24,8 +24,9 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr const char* kKindsUnderstood = "an OpenEXR, PNG, TIFF or PFM image";
-// A damaged header must not ask for more memory than any image needs [samples].
-constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 32;
+// A damaged header must not ask for more memory than any image needs: 178 megapixels of three
+// channels [samples].
+constexpr std::uint64_t kMaxSamples = std::uint64_t{1} << 29;
 
 // What goes into an error: the file, and where the caller found its name.
 struct Place {

@@ -7,8 +7,10 @@
 #include <OpenImageIO/imageio.h>
 #include <gmock/gmock.h>
 
+#include <array>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace patina {
@@ -210,6 +212,44 @@ TEST(ImageIo, NamesFileAndFieldOfAMissingImage) {
     EXPECT_THAT([] { (void)read_image("no/such.exr", "shots[2].image"); },
                 testing::ThrowsMessage<Error>(
                     HasSubstr("no/such.exr: shots[2].image: does not exist (expected an OpenEXR")));
+}
+
+// A header alone must not fill the memory: here that of a TIFF of one channel.
+TEST(ImageIo, RefusesSizesBeyondMeasure) {
+    constexpr std::uint16_t kShort = 3;
+    constexpr std::uint16_t kLong = 4;
+    constexpr std::uint32_t kSide = 32768;
+    struct Tag {
+        std::uint16_t name;
+        std::uint16_t type;
+        std::uint32_t value;
+    };
+    const std::array<Tag, 9> tags = {{{256, kLong, kSide},  // width
+                                      {257, kLong, kSide},  // height
+                                      {258, kShort, 8},     // bits per sample
+                                      {259, kShort, 1},     // not compressed
+                                      {262, kShort, 1},     // black is 0
+                                      {273, kLong, 8},      // where the samples begin
+                                      {277, kShort, 1},     // channels
+                                      {278, kLong, kSide},  // rows per strip
+                                      {279, kLong, 1}}};    // bytes of the strip
+    std::string bytes("II*\0\x08\0\0\0", 8);
+    const auto append = [&bytes](std::uint32_t value, int size) {
+        for (int k = 0; k < size; ++k) bytes.push_back(static_cast<char>(value >> (8 * k) & 255));
+    };
+    append(tags.size(), 2);
+    for (const Tag& tag : tags) {
+        append(tag.name, 2);
+        append(tag.type, 2);
+        append(1, 4);
+        append(tag.value, 4);
+    }
+    append(0, 4);
+    const TestFolder folder;
+    write_file(folder / "a.tif", bytes);
+    EXPECT_THAT([&] { (void)read_image_size(folder / "a.tif"); },
+                testing::ThrowsMessage<Error>(
+                    HasSubstr("has a size of 32768 x 32768 (expected at most 536870912 samples)")));
 }
 
 TEST(ImageIo, RefusesWhatIsNoImage) {
