@@ -130,7 +130,8 @@ SceneView view_scene(const Capture& capture, const Surface& surface, Progress& p
             pixel_over_texel(capture.atlas, description.cameras[camera], scene.views[view]));
     }
     // A shadow's edge is as wide as a pixel, where that is larger than a texel.
-    const int edge_rings = std::clamp(int(std::ceil(pixel_size)), 1, 3);
+    const int edge_rings = int(std::ceil(std::clamp(pixel_size, 1.0, 3.0)));
+    for (const Light& light : description.lights) scene.lights.push_back(&light);
     scene.direct.resize(description.lights.size());
     scene.lamp_sets.resize(set_of_lights.size());
     for (const auto& [lights, set] : set_of_lights) {
@@ -140,6 +141,7 @@ SceneView view_scene(const Capture& capture, const Surface& surface, Progress& p
                     direct_light(surface, capture.atlas, description.lights[light], edge_rings);
             }
             LampSet& lamps = scene.lamp_sets[set];
+            lamps.indices.push_back(light);
             lamps.lights.push_back(&description.lights[light]);
             lamps.direct.push_back(&scene.direct[light]);
             if (description.lights[light].frame == FrameOfReference::scanner) {
