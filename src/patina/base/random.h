@@ -17,6 +17,7 @@ enum class Pass : std::uint32_t {
     objects = 4,
     calibration_error = 5,
     rendered_shots = 6,
+    gather = 7,
     tests = 100,
 };
 

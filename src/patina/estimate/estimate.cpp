@@ -4,6 +4,7 @@
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
 #include "patina/estimate/fill.h"
+#include "patina/estimate/gather_engine.h"
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/texel_turn.h"
 #include "patina/math/statistics.h"
@@ -61,9 +62,12 @@ class Iteration {
     }
 
     void run_direct() {
-        progress_.begin_stage("method direct", kDirectIterations, "turns");
+        // Method gather fits all parameters at once: nothing alternates, and the second turn knows
+        // the noise.
+        const int num_turns = is_joint() ? 2 : kDirectIterations;
+        progress_.begin_stage("method direct", std::uint64_t(num_turns), "turns");
         const IndirectLight none;
-        for (int turn = 0; turn < kDirectIterations; ++turn) {
+        for (int turn = 0; turn < num_turns; ++turn) {
             const IterationLog log = take_turn("direct", none, turn > 0, turn);
             progress_.advance(1);
             if (turn > 2 && log.change < options_.tolerance) break;
@@ -72,7 +76,7 @@ class Iteration {
         progress_.end_stage(last_turn());
     }
 
-    void run_indirect(PhotonEngine& engine,
+    void run_indirect(IndirectEngine& engine,
                       const std::string& stage,
                       bool with_specular,
                       double tolerance) {
@@ -113,6 +117,8 @@ class Iteration {
     }
 
   private:
+    [[nodiscard]] bool is_joint() const { return options_.method == Method::gather; }
+
     // --- The light of every look -----------------------------------------------------------------
 
     void make_rows(std::size_t texel, const IndirectLight& light, std::vector<FitRow>& rows) const {
@@ -170,7 +176,8 @@ class Iteration {
         log.error = total.count > 0 ? total.squared_error / total.count : 0;
         log.spectral_radius = light.spectral_radius;
         log.retraced = light.retraced;
-        if (options_.loop == Loop::damped && !light.irradiance.empty()) {
+        // One sweep for each fit contracts by lambda as it is.
+        if (options_.loop == Loop::damped && !is_joint() && !light.irradiance.empty()) {
             log.damping = std::max(kMinDamping, 1 - square(std::min(1.0, light.spectral_radius)));
         }
         // Indirect light seen through a lobe follows the lobe's own fit, which may answer by
@@ -196,7 +203,7 @@ class Iteration {
         for (std::size_t k = 0; k < rows.size(); ++k) {
             rows[k].pixel_class = joint ? PixelClass::neither : stored[k];
         }
-        if (!has_diffuse_row(rows)) joint = true;
+        if (is_joint() || !has_diffuse_row(rows)) joint = true;
     }
 
     void update_noise_scale() {
@@ -360,7 +367,10 @@ Estimate estimate_reflectance(const Capture& capture,
         collect_observations(capture, scene, options.observations, progress);
     Iteration iteration(capture, scene, observations, options, progress);
     iteration.run_direct();
-    if (options.method != Method::direct) {
+    if (options.method == Method::gather) {
+        GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
+        iteration.run_indirect(engine, "gather", true, options.tolerance);
+    } else if (options.method != Method::direct) {
         PhotonEngine engine(surface, capture.atlas, scene, options, progress);
         const bool is_start = options.method == Method::photon;
         iteration.run_indirect(

@@ -9,6 +9,7 @@
 #include "patina/capture/result_folder.h"
 #include "patina/estimate/observations.h"
 #include "patina/estimate/texel_fit.h"
+#include "patina/transport/gather_graph.h"
 #include "patina/transport/ratio_kernel.h"
 
 #include <string>
@@ -16,7 +17,7 @@
 
 namespace patina {
 
-enum class Method { direct, diffuse, photon };
+enum class Method { direct, diffuse, photon, gather };
 // How the maps follow a fit: damped by omega = 1 - lambda^2, or replaced by it as in the paper.
 enum class Loop { damped, plain };
 // How photons become irradiance. disc: the classical k nearest neighbours, for comparison only.
@@ -28,6 +29,8 @@ struct EstimateOptions {
     Irradiance irradiance = Irradiance::ratio;
     PhotonOptions photons;
     RatioKernelOptions kernel;
+    GatherOptions gather;
+    double filter_radius = 2.0;  // of the indirect light of method gather [texels]; > 0
     ObservationOptions observations;
     FitOptions fit;
     int max_iterations = 60;  // of the outer loop, for each of methods II and photon; >= 1

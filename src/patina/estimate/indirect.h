@@ -18,7 +18,22 @@ struct IndirectLight {
     bool retraced = false;
 };
 
-class PhotonEngine {
+// How methods II, photon and gather find it.
+class IndirectEngine {
+  public:
+    IndirectEngine() = default;
+    IndirectEngine(const IndirectEngine&) = delete;
+    IndirectEngine& operator=(const IndirectEngine&) = delete;
+    virtual ~IndirectEngine() = default;
+
+    // with_specular: whether surfaces reflect light on, and show it, by their lobes too, or by
+    // their diffuse part alone (method II). seen: per texel, whether its lobe is looked at.
+    [[nodiscard]] virtual IndirectLight evaluate(std::span<const Reflectance> maps,
+                                                 std::span<const std::uint8_t> seen,
+                                                 bool with_specular) = 0;
+};
+
+class PhotonEngine final : public IndirectEngine {
   public:
     PhotonEngine(const Surface& surface,
                  const TexelAtlas& atlas,
@@ -26,13 +41,11 @@ class PhotonEngine {
                  const EstimateOptions& options,
                  Progress& progress);
 
-    // with_specular: whether surfaces reflect light on, and show it, by their lobes too (method
-    // photon) or by their diffuse part alone (method II). Traces when there are no photons yet,
-    // when with_specular changed, or when the effective number of stored photons has halved since
-    // they were traced.
+    // Traces when there are no photons yet, when with_specular changed, or when the effective
+    // number of stored photons has halved since they were traced.
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
-                                         bool with_specular);
+                                         bool with_specular) override;
 
   private:
     void trace(std::span<const Reflectance> guide);

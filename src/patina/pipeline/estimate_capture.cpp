@@ -18,7 +18,7 @@ Choices<Method> method_choices() {
     return {{"direct", Method::direct},
             {"diffuse", Method::diffuse},
             {"photon", Method::photon},
-            {"gather", std::nullopt}};
+            {"gather", Method::gather}};
 }
 
 // Stores one number of every texel where the texel lies.

@@ -65,6 +65,7 @@ struct PhotonPaths {
 struct LampSet {
     std::vector<const Light*> lights;
     std::vector<const std::vector<DirectLight>*> direct;
+    std::vector<std::size_t> indices;  // of the lights among those of the capture
     bool turns_with_scanner = false;
 };
 

@@ -1,0 +1,169 @@
+#include "patina/estimate/gather_engine.h"
+
+#include "patina/base/parallel.h"
+
+#include <algorithm>
+#include <map>
+
+namespace patina {
+namespace {
+
+// Texels with less specular albedo than this do not show indirect light by their lobe.
+constexpr double kNegligibleLobe = 1e-5;
+
+// Directions to the camera where it sees the texel from in front, zero elsewhere.
+ViewDirections directions_of(const std::vector<TexelView>& views,
+                             std::span<const std::uint8_t> seen) {
+    ViewDirections directions(views.size(), Vec3f::Zero());
+    for (std::size_t i = 0; i < views.size(); ++i) {
+        if (seen[i] != 0 && views[i].state != ViewState::hidden) directions[i] = views[i].w_v;
+    }
+    return directions;
+}
+
+}  // namespace
+
+GatherEngine::GatherEngine(const Surface& surface,
+                           const TexelAtlas& atlas,
+                           const SceneView& scene,
+                           std::span<const std::uint8_t> seen,
+                           const EstimateOptions& options,
+                           Progress& progress)
+    : atlas_(atlas), scene_(scene) {
+    for (const std::vector<TexelView>& views : scene.views) {
+        views_.push_back(directions_of(views, seen));
+    }
+    graph_ = trace_gather_graph(surface, atlas, views_, options.gather, progress);
+    progress.begin_stage("light at the hits");
+    filter_ = build_surface_filter(atlas, options.filter_radius);
+
+    // Every lamp has one lane, however many sets it shines in. Lamps that turn and lamps that stand
+    // do not share a block.
+    std::vector<LampBlock> blocks[2];
+    std::map<std::size_t, std::pair<std::size_t, std::size_t>> lane_of;
+    for (std::size_t light = 0; light < scene.direct.size(); ++light) {
+        if (scene.direct[light].empty()) continue;
+        const Light& lamp = *scene.lights[light];
+        const std::size_t turning = lamp.frame == FrameOfReference::scanner ? 1 : 0;
+        if (blocks[turning].empty() || blocks[turning].back().size() == kLampLanes) {
+            blocks[turning].emplace_back();
+        }
+        LampBlock& block = blocks[turning].back();
+        lane_of[light] = {2 * (blocks[turning].size() - 1) + turning, block.size()};
+        block.lights.push_back(&lamp);
+        block.direct.push_back(&scene.direct[light]);
+    }
+    const std::size_t num_standing = blocks[0].size();
+    for (const std::size_t turning : {0u, 1u}) {
+        for (LampBlock& block : blocks[turning]) {
+            blocks_.emplace_back(surface, atlas, graph_, std::move(block), turning == 1);
+        }
+    }
+    for (const LampSet& set : scene.lamp_sets) {
+        std::vector<LampPlace>& places = places_.emplace_back();
+        for (const std::size_t light : set.indices) {
+            const auto [block, lane] = lane_of.at(light);
+            places.push_back({block / 2 + (block % 2 == 1 ? num_standing : 0),
+                              lane,
+                              lamp_color(*scene.lights[light]).cast<float>()});
+        }
+    }
+    progress.end_stage();
+}
+
+void GatherEngine::add_irradiance(const LampPlace& place,
+                                  const std::array<IndirectLanes, 2>& halves,
+                                  IndirectIrradiance& sum) const {
+    for (std::size_t half = 0; half < 2; ++half) {
+        std::vector<Rgbf>& values = sum.halves[half];
+        values.resize(atlas_.texels.size(), Rgbf::Zero());
+        parallel_for(values.size(), [&](std::size_t i) {
+            const auto& lanes = halves[half][i];
+            values[i] += place.color * Rgbf(lanes[0][place.lane],
+                                            lanes[1][place.lane],
+                                            lanes[2][place.lane]);
+        });
+    }
+}
+
+std::vector<std::vector<IndirectLobe>> GatherEngine::lobes(
+    const RadiantTexels& texels,
+    std::span<const Reflectance> maps,
+    std::span<const std::uint8_t> wanted) const {
+    const std::size_t num_shots = scene_.shots.size();
+    std::vector<std::vector<IndirectLobe>> result(num_shots);
+    for (auto& shot : result) shot.resize(atlas_.texels.size());
+    parallel_for(atlas_.texels.size(), [&](std::size_t i) {
+        if (wanted[i] == 0) return;
+        for (std::size_t view = 0; view < views_.size(); ++view) {
+            if (!(views_[view][i].squaredNorm() > 0)) continue;
+            for (std::size_t block = 0; block < blocks_.size(); ++block) {
+                const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
+                    graph_, view, texels, TexelId(i), views_[view][i], maps[i].roughness);
+                const auto add = [&](const LampPlace& place, IndirectLobe& sum) {
+                    for (Eigen::Index c = 0; c < 3; ++c) {
+                        const auto channel = std::size_t(c);
+                        sum.half[c] += place.color[c] * lanes.half[channel][place.lane];
+                        sum.same[c] += place.color[c] * lanes.same[channel][place.lane];
+                        sum.twice[c] += place.color[c] * lanes.twice[channel][place.lane];
+                    }
+                };
+                for (std::size_t shot = 0; shot < num_shots; ++shot) {
+                    if (scene_.camera_of_shot[shot] != view) continue;
+                    for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
+                        if (place.block == block) add(place, result[shot][i]);
+                    }
+                }
+            }
+        }
+    });
+    return result;
+}
+
+IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
+                                     std::span<const std::uint8_t> seen,
+                                     bool with_specular) {
+    const RadiantTexels texels(atlas_, maps, with_specular);
+    IndirectLight light;
+    light.irradiance.resize(places_.size());
+    std::array<IndirectLanes, 2> halves;
+    std::vector<double> mean(atlas_.texels.size(), 0.0);
+    for (std::size_t block = 0; block < blocks_.size(); ++block) {
+        blocks_[block].sweep(graph_, texels, filter_, halves);
+        for (std::size_t set = 0; set < places_.size(); ++set) {
+            for (const LampPlace& place : places_[set]) {
+                if (place.block == block) add_irradiance(place, halves, light.irradiance[set]);
+            }
+        }
+        parallel_for(mean.size(), [&](std::size_t i) {
+            for (const auto& half : halves) {
+                for (const Lanes& channel : half[i]) {
+                    for (const float value : channel) mean[i] += double(value);
+                }
+            }
+        });
+    }
+    light.spectral_radius = spectral_radius_from(std::move(mean));
+    if (!with_specular) return light;
+    std::vector<std::uint8_t> glossy(atlas_.texels.size());
+    for (std::size_t i = 0; i < glossy.size(); ++i) {
+        glossy[i] =
+            seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
+    }
+    light.lobe = lobes(texels, maps, glossy);
+    return light;
+}
+
+double GatherEngine::spectral_radius_from(std::vector<double> mean) {
+    double change = 0;
+    if (!previous_.empty()) {
+        change = std::sqrt(ordered_reduce(
+            mean.size(), 0.0, [&](std::size_t i) { return square(mean[i] - previous_[i]); }));
+    }
+    const double ratio = previous_change_ > 0 ? std::min(1.0, change / previous_change_) : 0;
+    previous_ = std::move(mean);
+    previous_change_ = change;
+    return ratio;
+}
+
+}  // namespace patina

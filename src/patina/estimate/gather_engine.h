@@ -1,0 +1,59 @@
+// The indirect light of every look, by the gather graph: one sweep of light for each turn.
+#pragma once
+
+#include "patina/estimate/estimate.h"
+#include "patina/estimate/indirect.h"
+#include "patina/estimate/observations.h"
+#include "patina/transport/gather_sweep.h"
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace patina {
+
+class GatherEngine final : public IndirectEngine {
+  public:
+    // Traces the graph.
+    GatherEngine(const Surface& surface,
+                 const TexelAtlas& atlas,
+                 const SceneView& scene,
+                 std::span<const std::uint8_t> seen,
+                 const EstimateOptions& options,
+                 Progress& progress);
+
+    // One more bounce under the present maps. light.spectral_radius: how much of the indirect
+    // light's last change the next one keeps (power iteration); 0 at first.
+    [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
+                                         std::span<const std::uint8_t> seen,
+                                         bool with_specular) override;
+
+  private:
+    // Which lane of which block a lamp of a lamp set has.
+    struct LampPlace {
+        std::size_t block = 0;
+        std::size_t lane = 0;
+        Rgbf color = Rgbf::Zero();
+    };
+
+    [[nodiscard]] double spectral_radius_from(std::vector<double> mean);
+    void add_irradiance(const LampPlace& place,
+                        const std::array<IndirectLanes, 2>& halves,
+                        IndirectIrradiance& sum) const;
+    [[nodiscard]] std::vector<std::vector<IndirectLobe>> lobes(
+        const RadiantTexels& texels,
+        std::span<const Reflectance> maps,
+        std::span<const std::uint8_t> wanted) const;
+
+    const TexelAtlas& atlas_;
+    const SceneView& scene_;
+    std::vector<ViewDirections> views_;  // per camera view; zero where it sees nothing
+    GatherGraph graph_;
+    SurfaceFilter filter_;
+    std::vector<LampBlockLight> blocks_;
+    std::vector<std::vector<LampPlace>> places_;  // per lamp set, per lamp
+    std::vector<double> previous_;                // mean indirect light of the texels, last sweep
+    double previous_change_ = 0;
+};
+
+}  // namespace patina

@@ -1,0 +1,61 @@
+// The gather graph: from every texel a fixed set of rays, traced once, of which those that hit the
+// surface are kept with the texel they hit. It depends on the geometry and the cameras alone, so
+// that every lamp, every shot and every iteration reuses it.
+//
+// docs/theory.md, "The gather graph"; the directions are Owen-scrambled Sobol points (Burley 2020).
+#pragma once
+
+#include "patina/base/progress.h"
+#include "patina/transport/surface.h"
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace patina {
+
+struct GatherOptions {
+    int rays = 64;             // per texel over the cosine-weighted hemisphere; a power of two >= 4
+    int lobe_rays = 32;        // per texel and camera that sees it, towards its lobe; as above
+    double lobe_spread = 0.2;  // sigma of the lobe that these rays are drawn from [rad]; > 0
+    std::uint64_t seed = 1;    // any
+};
+
+// A ray that hit the front of the surface.
+struct GatherHit {
+    TexelId to = kNoTexel;
+    Vec3f w = Vec3f::UnitZ();  // unit, from the texel towards the hit
+    // Irradiance rays: pi / rays, so that E = sum weight L. Lobe rays: cosine over (density x
+    // rays), so that the integral of L g cos over directions is sum weight L g [sr].
+    float weight = 0;
+    std::uint32_t half = 0;  // which of two independent halves of the rays, 0 or 1
+};
+
+// Rays of one purpose, compressed rows: texels + 1 offsets into hits.
+struct GatherRows {
+    std::vector<std::size_t> begin;
+    std::vector<GatherHit> hits;
+
+    [[nodiscard]] std::span<const GatherHit> of(std::size_t texel) const {
+        return std::span(hits).subspan(begin[texel], begin[texel + 1] - begin[texel]);
+    }
+};
+
+// One camera's view of every texel; a zero vector where it does not see the texel.
+using ViewDirections = std::vector<Vec3f>;
+
+struct GatherGraph {
+    GatherRows irradiance;
+    std::vector<GatherRows> lobes;  // per camera view
+    std::uint64_t num_rays = 0;     // that were traced
+};
+
+// Texels around which a first handful of rays meets nothing count as convex and get no more rays.
+// views: per camera, one direction per texel (unit, towards the camera).
+[[nodiscard]] GatherGraph trace_gather_graph(const Surface& surface,
+                                             const TexelAtlas& atlas,
+                                             std::span<const ViewDirections> views,
+                                             const GatherOptions& options,
+                                             Progress& progress);
+
+}  // namespace patina
