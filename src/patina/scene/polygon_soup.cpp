@@ -48,6 +48,12 @@ void check_indices(const PolygonSoup& soup, const MeshPlace& place) {
     }
 }
 
+void check_corner_count(std::size_t count, const MeshPlace& place) {
+    if (count >= 3 && count <= kMaxCorners) return;
+    place.fail(fmt::format("a face has {} corners", count),
+               fmt::format("from 3 to {}", kMaxCorners));
+}
+
 // Newell's normal, twice the area long; right for polygons that are not convex or not quite flat.
 Vec3 newell_normal(std::span<const Vec3> ring) {
     Vec3 sum = Vec3::Zero();
@@ -146,10 +152,7 @@ Mesh mesh_from_soup(const PolygonSoup& soup, const MeshPlace& place) {
     for (const std::size_t end : soup.polygon_ends) {
         const std::span<const PolygonCorner> corners(soup.corners.data() + begin, end - begin);
         begin = end;
-        if (corners.size() < 3 || corners.size() > kMaxCorners) {
-            place.fail(fmt::format("a face has {} corners", corners.size()),
-                       fmt::format("from 3 to {}", kMaxCorners));
-        }
+        check_corner_count(corners.size(), place);
         std::vector<Vec3> points;
         for (const PolygonCorner& corner : corners) {
             points.push_back(soup.positions[corner.position].cast<double>());
