@@ -44,7 +44,56 @@ class Rng {
 };
 
 // Well-mixed 32 bits of two words; for seeds of scramblings.
-[[nodiscard]] std::uint32_t hash_combine(std::uint32_t a, std::uint32_t b);
+[[nodiscard]] inline std::uint32_t hash_combine(std::uint32_t a, std::uint32_t b) {
+    std::uint32_t x = a * 0x9E3779B9u ^ (b + 0x7F4A7C15u + (a << 6) + (a >> 2));
+    x ^= x >> 16;
+    x *= 0x85EBCA6Bu;
+    x ^= x >> 13;
+    x *= 0xC2B2AE35u;
+    x ^= x >> 16;
+    return x;
+}
+
+// The element's part of the seed of a SobolSampler.
+[[nodiscard]] std::uint32_t sobol_element_hash(std::uint64_t seed,
+                                               Pass pass,
+                                               std::uint64_t element);
+
+// Pair number `pair` (1, 2, ...) of a SobolSampler, as multiples of 2^-32. Without branches, so
+// that a loop over samples runs in SIMD lanes.
+[[nodiscard]] inline std::array<std::uint32_t, 2> sobol_pair(std::uint32_t element_hash,
+                                                             std::uint32_t sample_index,
+                                                             std::uint32_t pair) {
+    const auto reverse_bits = [](std::uint32_t x) {
+        x = (x << 16) | (x >> 16);
+        x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
+        x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
+        x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
+        return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+    };
+    // Laine-Karras style hash on reversed bits: each bit is flipped by a function of the lower ones
+    // only.
+    const auto laine_karras = [](std::uint32_t x, std::uint32_t seed) {
+        x += seed;
+        x ^= x * 0x6c50b47cu;
+        x ^= x * 0xb82f1e52u;
+        x ^= x * 0xc7afe638u;
+        return x ^ (x * 0x8d22f6e6u);
+    };
+    const std::uint32_t pair_hash = hash_combine(element_hash, pair);
+    // Shuffling the order keeps the pairs of dimensions independent of each other.
+    const std::uint32_t index = reverse_bits(laine_karras(reverse_bits(sample_index), pair_hash));
+    // Second Sobol dimension (primitive polynomial x + 1), reversed: bit j is the sum of the
+    // index's bits k over odd binomials (k over j), those where k has all the bits of j.
+    std::uint32_t second = index;
+    second ^= (second >> 1) & 0x55555555u;
+    second ^= (second >> 2) & 0x33333333u;
+    second ^= (second >> 4) & 0x0f0f0f0fu;
+    second ^= (second >> 8) & 0x00ff00ffu;
+    second ^= second >> 16;
+    return {reverse_bits(laine_karras(index, hash_combine(pair_hash, 1))),
+            reverse_bits(laine_karras(second, hash_combine(pair_hash, 2)))};
+}
 
 // Pairs of Owen-scrambled Sobol numbers for one element: sample `sample_index` of a (0,2)-sequence
 // whose scrambling and order depend on (seed, element, pair). Unbiased for any number of samples;

@@ -48,12 +48,16 @@ class Tracer::Backend {
                                                           const Vec3& direction,
                                                           double min_distance,
                                                           double max_distance) const = 0;
+    virtual void intersect_all(std::span<const TraceRay> rays,
+                               std::span<TriangleHit> hits) const = 0;
     [[nodiscard]] virtual bool occluded(const Vec3& origin,
                                         const Vec3& direction,
                                         double max_distance) const = 0;
 };
 
 namespace {
+
+static_assert(RTC_INVALID_GEOMETRY_ID == kNoTriangle);
 
 class EmbreeBackend final : public Tracer::Backend {
   public:
@@ -104,6 +108,28 @@ class EmbreeBackend final : public Tracer::Backend {
         rtcIntersect1(scene_, &context, &ray_hit);
         if (ray_hit.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
         return RayHit{ray_hit.ray.tfar, ray_hit.hit.primID, Vec2f(ray_hit.hit.u, ray_hit.hit.v)};
+    }
+
+    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const override {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        RTCRayHit ray_hit{};
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            RTCRay& ray = ray_hit.ray;
+            ray.org_x = rays[i].origin.x();
+            ray.org_y = rays[i].origin.y();
+            ray.org_z = rays[i].origin.z();
+            ray.dir_x = rays[i].direction.x();
+            ray.dir_y = rays[i].direction.y();
+            ray.dir_z = rays[i].direction.z();
+            ray.tnear = 0;
+            ray.tfar = std::numeric_limits<float>::infinity();
+            ray.mask = ~0u;
+            ray_hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            ray_hit.hit.primID = RTC_INVALID_GEOMETRY_ID;
+            rtcIntersect1(scene_, &context, &ray_hit);
+            hits[i] = {ray_hit.hit.primID, ray_hit.hit.u, ray_hit.hit.v};
+        }
     }
 
     [[nodiscard]] bool occluded(const Vec3& origin,
@@ -158,6 +184,17 @@ class BruteForceBackend final : public Tracer::Backend {
         return nearest;
     }
 
+    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const override {
+        for (std::size_t i = 0; i < rays.size(); ++i) {
+            const auto hit = intersect(rays[i].origin.cast<double>(),
+                                       rays[i].direction.cast<double>(),
+                                       0,
+                                       std::numeric_limits<double>::infinity());
+            hits[i] = hit ? TriangleHit{hit->triangle, hit->barycentric.x(), hit->barycentric.y()}
+                          : TriangleHit{};
+        }
+    }
+
     [[nodiscard]] bool occluded(const Vec3& origin,
                                 const Vec3& direction,
                                 double max_distance) const override {
@@ -190,6 +227,11 @@ std::optional<RayHit> Tracer::intersect(const Vec3& origin,
                                         double min_distance,
                                         double max_distance) const {
     return backend_->intersect(origin, direction, min_distance, max_distance);
+}
+
+void Tracer::intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const {
+    PATINA_CHECK_EQ(rays.size(), hits.size());
+    backend_->intersect_all(rays, hits);
 }
 
 bool Tracer::occluded(const Vec3& origin, const Vec3& direction, double max_distance) const {

@@ -7,6 +7,7 @@
 #include <limits>
 #include <memory>
 #include <optional>
+#include <span>
 
 namespace patina {
 
@@ -14,6 +15,18 @@ struct RayHit {
     double distance = 0;  // [length]
     std::uint32_t triangle = 0;
     Vec2f barycentric = Vec2f::Zero();
+};
+
+// For many rays at once. direction: unit.
+struct TraceRay {
+    Vec3f origin = Vec3f::Zero();  // [length]
+    Vec3f direction = Vec3f::UnitZ();
+};
+inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
+struct TriangleHit {
+    std::uint32_t triangle = kNoTriangle;  // kNoTriangle: nothing was hit
+    float u = 0;                           // barycentric, as in SurfacePoint
+    float v = 0;
 };
 
 enum class TracerBackend { embree, brute_force };
@@ -33,6 +46,10 @@ class Tracer {
         double min_distance = 0,
         double max_distance = std::numeric_limits<double>::infinity()) const;
 
+    // The nearest hit of each ray, front or back, at any distance: the same as intersect(), without
+    // its cost per call. hits: as many as rays.
+    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const;
+
     // Whether anything lies in between.
     [[nodiscard]] bool occluded(
         const Vec3& origin,
@@ -42,6 +59,8 @@ class Tracer {
     // Moves a point off its surface along the geometric normal, to the side of `direction`, by the
     // size of the rounding error of single-precision coordinates in this scene.
     [[nodiscard]] Vec3 offset(const SurfacePoint& point, const Vec3& direction) const;
+    // How far offset() moves a point [length].
+    [[nodiscard]] double offset_length() const { return offset_length_; }
 
     class Backend;
 

@@ -29,6 +29,35 @@ Mesh random_triangles(int count) {
     return mesh;
 }
 
+class TracerBackends : public testing::TestWithParam<TracerBackend> {};
+
+TEST_P(TracerBackends, AnswerManyRaysAsTheyAnswerOne) {
+    const Tracer tracer(random_triangles(100), GetParam());
+    Rng rng(3, Pass::tests, 0);
+    std::vector<TraceRay> rays(2000);
+    for (TraceRay& ray : rays) {
+        ray.origin = Vec3(rng.uniform(), rng.uniform(), rng.uniform()).cast<float>();
+        ray.direction = square_to_sphere({rng.uniform(), rng.uniform()}).cast<float>();
+    }
+    std::vector<TriangleHit> hits(rays.size());
+    tracer.intersect_all(rays, hits);
+    std::size_t num_hits = 0;
+    for (std::size_t i = 0; i < rays.size(); ++i) {
+        const auto expected =
+            tracer.intersect(rays[i].origin.cast<double>(), rays[i].direction.cast<double>());
+        ASSERT_EQ(hits[i].triangle, expected ? expected->triangle : kNoTriangle);
+        if (!expected) continue;
+        ++num_hits;
+        EXPECT_EQ(Vec2f(hits[i].u, hits[i].v), expected->barycentric);
+    }
+    EXPECT_GT(num_hits, rays.size() / 10);
+    EXPECT_LT(num_hits, rays.size());
+}
+
+INSTANTIATE_TEST_SUITE_P(Both,
+                         TracerBackends,
+                         testing::Values(TracerBackend::embree, TracerBackend::brute_force));
+
 TEST(Tracer, AgreesWithBruteForce) {
     const Mesh mesh = random_triangles(300);
     const Tracer fast(mesh, TracerBackend::embree);

@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/reflectance/lobe_lanes.h"
 
 #include <algorithm>
 #include <array>
@@ -21,27 +22,6 @@ constexpr std::size_t kMaxLobeArrivals = 192;
 
 float square_of(float x) { return x * x; }
 
-// Square of the angle whose cosine is 1 - u [rad^2]: the series of arccos^2, relative error below
-// 2e-4 for u <= 0.7, where every lobe narrower than a fifth of a radian has faded.
-float squared_angle(float u) {
-    return u * (2.0f +
-                u * (1.0f / 3 +
-                     u * (4.0f / 45 + u * (1.0f / 35 + u * (16.0f / 1575 + u * (8.0f / 2079))))));
-}
-
-// exp(x) for -20 < x <= 0, relative error below 2e-6: exp(x / 16) by its series, squared four
-// times.
-float exp_of_negative(float x) {
-    const float t = x * 0.0625f;
-    float e =
-        1 + t * (1 + t * (1.0f / 2 +
-                          t * (1.0f / 6 + t * (1.0f / 24 + t * (1.0f / 120 + t * (1.0f / 720))))));
-    e *= e;
-    e *= e;
-    e *= e;
-    return e * e;
-}
-
 struct Candidate {
     double distance = 0;  // [length]
     TexelId texel = kNoTexel;
@@ -55,20 +35,36 @@ struct KernelEntry {
     float weight;
 };
 
+// What a kernel needs to know of a texel: one cache line.
+struct alignas(64) KernelPoint {
+    Vec3 position;
+    Vec3 normal;
+    double area = 0;
+    double arrivals = 0;
+};
+
+std::vector<KernelPoint> kernel_points(const TexelAtlas& atlas, std::span<const double> arrivals) {
+    std::vector<KernelPoint> points(atlas.texels.size());
+    parallel_for(points.size(), [&](std::size_t i) {
+        const Texel& texel = atlas.texels[i];
+        points[i] = {texel.point.position, texel.point.normal, texel.area, arrivals[i]};
+    });
+    return points;
+}
+
 // Finds kernels one after the other, reusing its memory.
 class KernelFinder {
   public:
     KernelFinder(const TexelAtlas& atlas,
-                 std::span<const double> arrivals,
+                 std::span<const KernelPoint> points,
                  const RatioKernelOptions& options)
         : atlas_(atlas),
-          arrivals_(arrivals),
+          points_(points),
           options_(options),
           visited_(atlas.texels.size(), kNoTexel) {}
 
     void append(TexelId center, std::vector<KernelEntry>& entries) {
-        const Texel& texel = atlas_.texels[center];
-        const double size = std::sqrt(texel.area);
+        const double size = std::sqrt(points_[center].area);
         collect(center, options_.max_radius * size);
         std::sort(candidates_.begin(), candidates_.end());
         if (candidates_.size() > std::size_t(options_.max_texels)) {
@@ -77,7 +73,7 @@ class KernelFinder {
         double count = 0;
         double radius = 0;
         for (const Candidate& candidate : candidates_) {
-            count += arrivals_[candidate.texel];
+            count += points_[candidate.texel].arrivals;
             radius = candidate.distance;
             if (count >= options_.arrivals && radius >= options_.min_radius * size) break;
         }
@@ -90,14 +86,14 @@ class KernelFinder {
             if (candidate.distance >= radius) break;
             const double kappa = 1 - square(candidate.distance / radius);
             entries.push_back({candidate.texel, float(kappa)});
-            area += kappa * atlas_.texels[candidate.texel].area;
+            area += kappa * points_[candidate.texel].area;
         }
         for (std::size_t i = first; i < entries.size(); ++i) entries[i].weight /= float(area);
     }
 
   private:
     void collect(TexelId center, double reach) {
-        const SurfacePoint& middle = atlas_.texels[center].point;
+        const KernelPoint& middle = points_[center];
         candidates_.clear();
         candidates_.push_back({0.0, center});
         visited_[center] = center;
@@ -108,7 +104,7 @@ class KernelFinder {
                 const TexelId to = atlas_.neighbors[k];
                 if (visited_[to] == center) continue;
                 visited_[to] = center;
-                const SurfacePoint& point = atlas_.texels[to].point;
+                const KernelPoint& point = points_[to];
                 const Vec3 offset = point.position - middle.position;
                 const double distance = offset.norm();
                 if (distance >= reach || point.normal.dot(middle.normal) < kMinNormalCosine ||
@@ -121,7 +117,7 @@ class KernelFinder {
     }
 
     const TexelAtlas& atlas_;
-    std::span<const double> arrivals_;
+    std::span<const KernelPoint> points_;
     const RatioKernelOptions& options_;
     std::vector<TexelId> visited_;  // the centre that saw this texel last
     std::vector<Candidate> candidates_;
@@ -135,13 +131,14 @@ RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
     PATINA_CHECK_EQ(arrivals.size(), atlas.texels.size());
     const std::size_t num_texels = atlas.texels.size();
     const std::size_t num_blocks = (num_texels + kTexelsPerBlock - 1) / kTexelsPerBlock;
+    const std::vector<KernelPoint> points = kernel_points(atlas, arrivals);
     std::vector<std::vector<KernelEntry>> blocks(num_blocks);
     RatioKernel kernel;
     kernel.begin.assign(num_texels + 1, 0);
     // One finder serves a long run of blocks: its memory is as large as the atlas.
     const std::size_t blocks_per_run = std::max<std::size_t>(1, num_blocks / 8);
     parallel_blocks(num_blocks, blocks_per_run, [&](std::size_t first, std::size_t last) {
-        KernelFinder finder(atlas, arrivals, options);
+        KernelFinder finder(atlas, points, options);
         for (std::size_t block = first; block < last; ++block) {
             const std::size_t end = std::min(num_texels, (block + 1) * kTexelsPerBlock);
             for (std::size_t i = block * kTexelsPerBlock; i < end; ++i) {
@@ -152,15 +149,19 @@ RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
         }
     });
     std::partial_sum(kernel.begin.begin(), kernel.begin.end(), kernel.begin.begin());
-    kernel.texel.reserve(kernel.begin.back());
-    kernel.weight.reserve(kernel.begin.back());
-    for (std::vector<KernelEntry>& block : blocks) {
-        for (const KernelEntry& entry : block) {
-            kernel.texel.push_back(entry.texel);
-            kernel.weight.push_back(entry.weight);
-        }
-        block = {};
-    }
+    kernel.texel.resize(kernel.begin.back());
+    kernel.weight.resize(kernel.begin.back());
+    parallel_for(
+        num_blocks,
+        [&](std::size_t block) {
+            std::size_t k = kernel.begin[block * kTexelsPerBlock];
+            for (const KernelEntry& entry : blocks[block]) {
+                kernel.texel[k] = entry.texel;
+                kernel.weight[k++] = entry.weight;
+            }
+            blocks[block] = {};
+        },
+        1);
     return kernel;
 }
 
@@ -192,54 +193,101 @@ IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
 
 namespace {
 
-// The arrivals in one lobe, side by side so that the exponentials are taken in SIMD lanes.
+// How a texel is looked at: where its lobe points and how far it reaches.
+struct LobeView {
+    Vec3f normal;
+    Vec3f mirror;
+    float inverse_widest = 0;  // 1 / sigma^2 of the widest of the three lobes [rad^-2]
+    float max_versine = 0;     // 1 - cos of the mirror angle that it reaches to
+};
+
+// The arrivals that a lobe looks at, side by side so that everything is computed in SIMD lanes. The
+// lanes are summed apart, so the sums do not depend on how many the processor has.
 class LobeBatch {
   public:
-    void clear() { size_ = 0; }
-
-    // versine: 1 - cos of the mirror angle. light: power times everything that does not depend on
-    // sigma.
-    void add(float versine, const Rgbf& light) {
-        versine_[size_] = versine;
+    void add(const Vec3f& w_i, const Rgbf& light) {
+        x_[size_] = w_i.x();
+        y_[size_] = w_i.y();
+        z_[size_] = w_i.z();
         for (std::size_t c = 0; c < 3; ++c) light_[c][size_] = light[Eigen::Index(c)];
         ++size_;
     }
     [[nodiscard]] bool full() const { return size_ == kCapacity; }
 
-    // Adds the batch, in its order, to the three sums.
-    void add_to(IndirectLobe& sum, float inverse_widest) {
-        for (std::size_t i = 0; i < size_; ++i) {
-            // The three Gaussians are powers of each other.
-            twice_[i] = exp_of_negative(-0.5f * squared_angle(versine_[i]) * inverse_widest);
-            same_[i] = square_of(square_of(twice_[i]));
-            half_[i] = square_of(square_of(same_[i]));
-        }
+    // Adds the batch to the three sums and empties it.
+    void add_to(IndirectLobe& sum, const LobeView& view) {
+        // Whole groups of lanes; what fills up the last one is dark.
+        for (; size_ % kSumLanes != 0;) add(view.mirror, Rgbf::Zero());
+        weigh(view);
         for (std::size_t c = 0; c < 3; ++c) {
             const auto channel = Eigen::Index(c);
-            for (std::size_t i = 0; i < size_; ++i) {
-                sum.twice[channel] += light_[c][i] * twice_[i];
-                sum.same[channel] += light_[c][i] * same_[i];
-                sum.half[channel] += light_[c][i] * half_[i];
-            }
+            sum.twice[channel] += lane_sum(light_[c], twice_);
+            sum.same[channel] += lane_sum(light_[c], same_);
+            sum.half[channel] += lane_sum(light_[c], half_);
         }
-        clear();
+        size_ = 0;
     }
 
   private:
     static constexpr std::size_t kCapacity = 256;
-    std::array<float, kCapacity> versine_, twice_, same_, half_;
-    std::array<std::array<float, kCapacity>, 3> light_;
+    static constexpr std::size_t kSumLanes = 8;
+    using Lane = std::array<float, kCapacity>;
+
+    // The three Gaussians over max(cos_i, c0); zero out of reach.
+    void weigh(const LobeView& view) {
+        for (std::size_t i = 0; i < size_; ++i) {
+            const float versine =
+                1 - (view.mirror.x() * x_[i] + view.mirror.y() * y_[i] + view.mirror.z() * z_[i]);
+            const float cos_i =
+                view.normal.x() * x_[i] + view.normal.y() * y_[i] + view.normal.z() * z_[i];
+            const float over_cosine = 1 / std::max(cos_i, float(kCosineFloor));
+            const float in_reach = (versine <= view.max_versine) & (cos_i > 0) ? over_cosine : 0.0f;
+            // The three are powers of each other.
+            const float twice =
+                exp_of_negative(-0.5f * squared_angle(versine) * view.inverse_widest);
+            const float same = square_of(square_of(twice));
+            twice_[i] = in_reach * twice;
+            same_[i] = in_reach * same;
+            half_[i] = in_reach * square_of(square_of(same));
+        }
+    }
+
+    [[nodiscard]] float lane_sum(const Lane& light, const Lane& weight) const {
+        std::array<float, kSumLanes> sums{};
+        for (std::size_t i = 0; i < size_; i += kSumLanes) {
+            for (std::size_t k = 0; k < kSumLanes; ++k) sums[k] += light[i + k] * weight[i + k];
+        }
+        float sum = 0;
+        for (const float part : sums) sum += part;
+        return sum;
+    }
+
+    Lane x_, y_, z_, twice_, same_, half_;
+    std::array<Lane, 3> light_;
     std::size_t size_ = 0;
 };
 
-// Every stride-th arrival in reach of a kernel, so that about kMaxLobeArrivals are looked at.
-std::uint32_t lobe_stride(const RatioKernel& kernel, const PhotonPaths& paths, std::size_t texel) {
+// The arrivals within reach of a kernel: a range per texel of the kernel.
+struct ArrivalRange {
+    std::uint32_t begin = 0;
+    std::uint32_t end = 0;
+    float weight = 0;  // the kernel's [1/length^2]
+};
+
+// Returns how many arrivals there are.
+std::size_t find_arrivals(const RatioKernel& kernel,
+                          const PhotonPaths& paths,
+                          std::size_t texel,
+                          std::vector<ArrivalRange>& ranges) {
+    ranges.clear();
     std::size_t count = 0;
     for (std::size_t k = kernel.begin[texel]; k < kernel.begin[texel + 1]; ++k) {
-        const TexelId y = kernel.texel[k];
-        count += paths.arrivals_begin[y + 1] - paths.arrivals_begin[y];
+        const std::uint32_t* begin = &paths.arrivals_begin[kernel.texel[k]];
+        if (begin[0] == begin[1]) continue;
+        ranges.push_back({begin[0], begin[1], kernel.weight[k]});
+        count += begin[1] - begin[0];
     }
-    return std::uint32_t((count + kMaxLobeArrivals - 1) / kMaxLobeArrivals);
+    return count;
 }
 
 }  // namespace
@@ -254,34 +302,32 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
     std::vector<IndirectLobe> result(atlas.texels.size());
     parallel_blocks(result.size(), kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
         LobeBatch batch;
+        std::vector<ArrivalRange> ranges;
         for (std::size_t i = begin; i < end; ++i) {
-            const Vec3f normal = atlas.texels[i].point.normal.cast<float>();
-            const float cos_v = normal.dot(w_v[i]);
+            LobeView view;
+            view.normal = atlas.texels[i].point.normal.cast<float>();
+            const float cos_v = view.normal.dot(w_v[i]);
             if (wanted[i] == 0 || cos_v <= 0) continue;
-            const Vec3f mirror = 2 * cos_v * normal - w_v[i];
+            view.mirror = 2 * cos_v * view.normal - w_v[i];
             const float variance = float(square(maps[i].roughness));
             // Of the widest lobe. theta^2 >= 2 (1 - cos): a test without an arc cosine.
-            const float inverse_widest = 1 / (4 * variance);
-            const float max_versine = 0.5f * kLobeReachSquared / inverse_widest;
-            const std::uint32_t stride = lobe_stride(kernel, paths, i);
-            // From the middle of the first stride, so that no arrival is favoured.
+            view.inverse_widest = 1 / (4 * variance);
+            view.max_versine = 0.5f * kLobeReachSquared / view.inverse_widest;
+            const std::size_t count = find_arrivals(kernel, paths, i, ranges);
+            // Of many, every stride-th is taken, from the middle of the first stride on, so that
+            // no arrival is favoured.
+            const auto stride = std::uint32_t((count + kMaxLobeArrivals - 1) / kMaxLobeArrivals);
             std::uint32_t to_skip = stride / 2;
             IndirectLobe& sum = result[i];
-            for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
-                const std::uint32_t last = paths.arrivals_begin[kernel.texel[k] + 1];
-                std::uint32_t a = paths.arrivals_begin[kernel.texel[k]] + to_skip;
-                for (; a < last; a += stride) {
-                    const Vec3f& w_i = paths.arrival_direction[a];
-                    const float versine = 1 - mirror.dot(w_i);
-                    const float cos_i = normal.dot(w_i);
-                    if (versine > max_versine || cos_i <= 0) continue;
-                    batch.add(versine,
-                              power[a] * (kernel.weight[k] / std::max(cos_i, float(kCosineFloor))));
-                    if (batch.full()) batch.add_to(sum, inverse_widest);
+            for (const ArrivalRange& range : ranges) {
+                std::uint32_t a = range.begin + to_skip;
+                for (; a < range.end; a += stride) {
+                    batch.add(paths.arrival_direction[a], power[a] * range.weight);
+                    if (batch.full()) batch.add_to(sum, view);
                 }
-                to_skip = a - last;
+                to_skip = a - range.end;
             }
-            batch.add_to(sum, inverse_widest);
+            batch.add_to(sum, view);
             const float scale = float(stride) / (std::max(cos_v, float(kCosineFloor)) * variance);
             sum.half *= 4 * scale;
             sum.same *= scale;

@@ -1,0 +1,284 @@
+// Cost of the photon engine, its steps one after the other, beside the bare ray queries of the same
+// photons.
+//
+//     photon_benchmark [OBJECT [PHOTONS [REPEATS]]]        A, 2000000 and 7 unless given
+//
+// The program puts its own rtcIntersect1 in front of Embree's. While the photons are traced once by
+// one thread it writes down the scene and every ray; then the recorded rays are sent to Embree
+// again in the same order, and the two are timed in turns, so that whatever else the machine does
+// falls on both. Times are the least of all repeats.
+#include "patina/base/parallel.h"
+#include "patina/scan/scanner.h"
+#include "patina/transport/photon_paths.h"
+#include "patina/transport/ratio_kernel.h"
+
+#include <embree3/rtcore.h>
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <dlfcn.h>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace {
+
+using Intersect1 = void (*)(RTCScene, RTCIntersectContext*, RTCRayHit*);
+
+struct RecordedRay {
+    std::array<float, 3> origin{};
+    std::array<float, 3> direction{};
+};
+struct Recording {
+    bool active = false;  // set only while one thread traces
+    RTCScene scene = nullptr;
+    std::vector<RecordedRay> rays;
+};
+
+Recording& recording() {
+    static Recording instance;
+    return instance;
+}
+
+const Intersect1 kEmbreeIntersect1 =
+    reinterpret_cast<Intersect1>(dlsym(RTLD_NEXT, "rtcIntersect1"));
+
+}  // namespace
+
+extern "C" void rtcIntersect1(RTCScene scene, RTCIntersectContext* context, RTCRayHit* ray_hit) {
+    if (recording().active) {
+        const RTCRay& ray = ray_hit->ray;
+        recording().scene = scene;
+        recording().rays.push_back(
+            {{ray.org_x, ray.org_y, ray.org_z}, {ray.dir_x, ray.dir_y, ray.dir_z}});
+    }
+    kEmbreeIntersect1(scene, context, ray_hit);
+}
+
+namespace patina {
+namespace {
+
+constexpr std::size_t kRaysPerBlock = 8192;
+constexpr std::size_t kLamp = 37;  // of the 60 candidates
+constexpr std::uint32_t kStream = 0;
+
+double seconds_of(const auto& work) {
+    const auto start = std::chrono::steady_clock::now();
+    work();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+}
+
+// What the photons travel over: an object as the virtual scanner hands it out, under one lamp.
+struct Scene {
+    explicit Scene(ObjectKind kind) {
+        ScanOptions scan;
+        scan.rows = kind == ObjectKind::a ? 256 : 512;
+        const SimulatedObject object = make_object(kind, scan.columns, scan.rows);
+        capture = simulate_rig(object, scan);
+        tracer = std::make_unique<Tracer>(capture.mesh);
+        surface = {&capture.mesh, tracer.get()};
+        const TruthMaps truth = truth_maps(object, scan);
+        for (const Texel& texel : capture.atlas.texels) {
+            const std::size_t pixel =
+                std::size_t(texel.row) * std::size_t(scan.columns) + std::size_t(texel.column);
+            Reflectance& map = maps.emplace_back();
+            for (std::size_t c = 0; c < 3; ++c) {
+                map.diffuse[Eigen::Index(c)] = double(truth.diffuse.data[3 * pixel + c]);
+            }
+            map.specular = double(truth.specular.data[pixel]);
+            map.roughness = std::max(kMinRoughness, double(truth.roughness.data[pixel]));
+            w_v.push_back((texel.point.normal + 0.3 * Vec3::UnitY()).normalized().cast<float>());
+        }
+        const Light& lamp = capture.description.lights[kLamp];
+        direct = direct_light(surface, capture.atlas, lamp);
+        lamps.lights = {&lamp};
+        lamps.direct = {&direct};
+        lamps.turns_with_scanner = lamp.frame == FrameOfReference::scanner;
+    }
+
+    Capture capture;
+    std::unique_ptr<Tracer> tracer;
+    Surface surface;
+    std::vector<Reflectance> maps;
+    std::vector<Vec3f> w_v;
+    std::vector<DirectLight> direct;
+    LampSet lamps;
+};
+
+PhotonPaths trace(const Scene& scene, std::uint64_t photons) {
+    PhotonOptions options;
+    options.photons = photons;
+    Progress progress;
+    return trace_photons(
+        scene.surface, scene.capture.atlas, scene.lamps, scene.maps, options, kStream, progress);
+}
+
+// Sends the recorded rays to Embree. Returns how many hit something.
+std::size_t replay() {
+    std::atomic<std::size_t> hits = 0;
+    const std::vector<RecordedRay>& rays = recording().rays;
+    parallel_blocks(rays.size(), kRaysPerBlock, [&](std::size_t begin, std::size_t end) {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        std::size_t count = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const auto& [origin, direction] = rays[i];
+            RTCRayHit ray_hit;
+            ray_hit.ray = {origin[0],
+                           origin[1],
+                           origin[2],
+                           0,
+                           direction[0],
+                           direction[1],
+                           direction[2],
+                           0,
+                           std::numeric_limits<float>::infinity(),
+                           ~0u,
+                           0,
+                           0};
+            ray_hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+            ray_hit.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+            kEmbreeIntersect1(recording().scene, &context, &ray_hit);
+            count += ray_hit.hit.geomID != RTC_INVALID_GEOMETRY_ID;
+        }
+        hits += count;
+    });
+    return hits;
+}
+
+// Least times of all repeats [s].
+struct Times {
+    double clock = 1e300;
+    double processor = 1e300;
+
+    void measure(const auto& work) {
+        const std::clock_t start = std::clock();
+        clock = std::min(clock, seconds_of(work));
+        processor = std::min(processor, double(std::clock() - start) / CLOCKS_PER_SEC);
+    }
+};
+
+struct RayTimes {
+    Times bare;
+    Times photons;  // the same rays within trace_photons()
+};
+
+RayTimes time_rays(const Scene& scene, std::uint64_t photons, int repeats, int threads) {
+    const ThreadLimit limit(threads);
+    RayTimes times;
+    for (int repeat = 0; repeat < repeats; ++repeat) {
+        times.bare.measure([] { static_cast<void>(replay()); });
+        times.photons.measure([&] { static_cast<void>(trace(scene, photons)); });
+    }
+    return times;
+}
+
+void compare_with_bare_rays(const Scene& scene, std::uint64_t photons, int repeats) {
+    {
+        const ThreadLimit limit(1);
+        recording().active = true;
+        const PhotonPaths paths = trace(scene, photons);
+        recording().active = false;
+        fmt::print("{} photons, {} rays, {} hits, {} arrivals\n",
+                   photons,
+                   recording().rays.size(),
+                   replay(),
+                   paths.bounces.size());
+    }
+    const double to_ns = 1e9 / double(recording().rays.size());
+    std::array<RayTimes, 2> times;
+    for (int threads = 1; threads <= 2; ++threads) {
+        RayTimes& at = times[std::size_t(threads - 1)];
+        at = time_rays(scene, photons, repeats, threads);
+        const auto print = [&](const char* what, double bare, double traced) {
+            fmt::print(
+                "{} threads, {} time: bare rays {:.1f} ns, photons {:.1f} ns per ray, "
+                "ratio {:.2f}\n",
+                threads,
+                what,
+                bare * to_ns,
+                traced * to_ns,
+                traced / bare);
+        };
+        print("processor", at.bare.processor, at.photons.processor);
+        print("clock", at.bare.clock, at.photons.clock);
+    }
+    const double bare_gain = times[0].bare.clock / times[1].bare.clock;
+    const double photon_gain = times[0].photons.clock / times[1].photons.clock;
+    fmt::print("2 threads over 1: bare rays {:.2f}, photons {:.2f}, {:.2f} of it\n",
+               bare_gain,
+               photon_gain,
+               photon_gain / bare_gain);
+}
+
+void print_least(const char* name, int repeats, std::size_t elements, const auto& work) {
+    Times times;
+    for (int repeat = 0; repeat < repeats; ++repeat) times.measure(work);
+    fmt::print(
+        "{:20} {:8.2f} ms of the processor, {:8.2f} ms of the clock, {:8.1f} ns per element\n",
+        name,
+        1e3 * times.processor,
+        1e3 * times.clock,
+        1e9 * times.processor / double(elements));
+}
+
+// Everything that one turn of the paper's method does with stored photons of one lamp.
+void time_steps(const Scene& scene, std::uint64_t photons, int repeats) {
+    const TexelAtlas& atlas = scene.capture.atlas;
+    const PhotonPaths paths = trace(scene, photons);
+    std::vector<double> arrivals(atlas.texels.size());
+    for (std::size_t i = 0; i < arrivals.size(); ++i) {
+        arrivals[i] = double(paths.arrivals_begin[i + 1] - paths.arrivals_begin[i]);
+    }
+    const RatioKernel kernel = build_ratio_kernel(atlas, arrivals, {});
+    const PhotonPower power = photon_power(paths, scene.maps);
+    const std::vector<std::uint8_t> wanted(atlas.texels.size(), 1);
+    fmt::print("{} texels, {} kernel entries, {} threads\n",
+               atlas.texels.size(),
+               kernel.texel.size(),
+               thread_count());
+    print_least("build_ratio_kernel", repeats, kernel.texel.size(), [&] {
+        static_cast<void>(build_ratio_kernel(atlas, arrivals, {}));
+    });
+    print_least("photon_power", repeats, paths.bounces.size(), [&] {
+        static_cast<void>(photon_power(paths, scene.maps));
+    });
+    print_least("indirect_irradiance", repeats, kernel.texel.size(), [&] {
+        static_cast<void>(indirect_irradiance(kernel, paths, power.arrivals));
+    });
+    print_least("indirect_lobe", repeats, atlas.texels.size(), [&] {
+        static_cast<void>(
+            indirect_lobe(kernel, paths, power.arrivals, atlas, scene.w_v, scene.maps, wanted));
+    });
+}
+
+void run(const std::vector<std::string>& words) {
+    const auto word = [&](std::size_t i, const char* otherwise) {
+        return words.size() > i ? words[i] : std::string(otherwise);
+    };
+    const Scene scene(object_kind_from_name(word(0, "A")));
+    const std::uint64_t photons = std::stoull(word(1, "2000000"));
+    const int repeats = std::stoi(word(2, "7"));
+    compare_with_bare_rays(scene, photons, repeats);
+    time_steps(scene, photons, repeats);
+}
+
+}  // namespace
+}  // namespace patina
+
+int main(int argc, char** argv) {
+    try {
+        patina::run({argv + 1, argv + argc});
+        return 0;
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "photon_benchmark: {}\n", error.what());
+        return 1;
+    }
+}
