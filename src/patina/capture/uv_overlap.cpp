@@ -18,6 +18,10 @@ using UvTriangle = std::array<Vec2, 3>;
 constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
 // Triangles per leaf of the tree; a matter of speed alone.
 constexpr std::size_t kLeafSize = 4;
+// Triangles between two looks at whether there is a fault, and handed to a thread at once; a matter
+// of speed alone.
+constexpr std::size_t kBlockSize = 1024;
+constexpr std::size_t kGrain = 16;
 
 struct Box {
     Vec2 low = Vec2::Constant(std::numeric_limits<double>::infinity());
@@ -154,19 +158,26 @@ std::optional<UvOverlap> find_uv_overlap(const Mesh& mesh, double tolerance) {
     std::vector<Box> boxes(num_triangles);
     parallel_for(num_triangles, [&](std::size_t i) { boxes[i] = box_of(uv_triangle(mesh, i)); });
     const BoxTree tree(boxes);
-    // The lowest partner above each triangle.
-    std::vector<std::uint32_t> partner(num_triangles, kNoTriangle);
-    parallel_for(num_triangles, [&](std::size_t i) {
+    // The lowest partner above a triangle.
+    const auto find_partner = [&](std::size_t i) {
+        std::uint32_t partner = kNoTriangle;
         const UvTriangle triangle = uv_triangle(mesh, i);
         tree.visit_overlapping(boxes[i], tolerance, [&](std::uint32_t other) {
-            if (other <= i || other >= partner[i]) return;
-            if (triangles_overlap(triangle, uv_triangle(mesh, other), tolerance)) {
-                partner[i] = other;
-            }
+            if (other <= i || other >= partner) return;
+            if (triangles_overlap(triangle, uv_triangle(mesh, other), tolerance)) partner = other;
         });
-    });
-    for (std::size_t i = 0; i < num_triangles; ++i) {
-        if (partner[i] != kNoTriangle) return UvOverlap{std::uint32_t(i), partner[i]};
+        return partner;
+    };
+    // In blocks, the first fault ends the search: a mesh all of whose triangles lie on each other
+    // would take the square of their number.
+    std::vector<std::uint32_t> partners(std::min(kBlockSize, num_triangles));
+    for (std::size_t begin = 0; begin < num_triangles; begin += kBlockSize) {
+        const std::size_t size = std::min(kBlockSize, num_triangles - begin);
+        parallel_for(
+            size, [&](std::size_t i) { partners[i] = find_partner(begin + i); }, kGrain);
+        for (std::size_t i = 0; i < size; ++i) {
+            if (partners[i] != kNoTriangle) return UvOverlap{std::uint32_t(begin + i), partners[i]};
+        }
     }
     return std::nullopt;
 }

@@ -117,6 +117,16 @@ TEST(UvOverlap, FindsTheSameTriangleTwice) {
     EXPECT_EQ(overlap->second, 800U);
 }
 
+TEST(UvOverlap, NamesTheFirstFaultHoweverFarItIs) {
+    Mesh mesh = rotated_grid(60);
+    mesh.triangles.push_back(mesh.triangles[7100]);
+    mesh.triangles.push_back(mesh.triangles[5000]);
+    const auto overlap = find_uv_overlap(mesh, kTolerance);
+    ASSERT_TRUE(overlap);
+    EXPECT_EQ(overlap->first, 5000U);
+    EXPECT_EQ(overlap->second, 7201U);
+}
+
 TEST(UvOverlap, ToleratesLessThanTheTolerance) {
     const auto chart_pair = [](float depth) {
         return mesh_of({{0, 0}, {0.5F, 0}, {0.5F, 1}, {0.5F - depth, 0}, {1, 0}, {0.5F - depth, 1}},
