@@ -220,6 +220,13 @@ TEST(BrokenMesh, WithTrianglesOfNoArea) {
               "degenerate triangles)");
 }
 
+TEST(BrokenMesh, WithPointsBeyondMeasure) {
+    EXPECT_EQ(
+        line_of_mesh("v 0 0 0\nv 1 -2e9 0\nv 1 1 0\n" + std::string(kUvs) + "f 1/1 2/2 3/3\n"),
+        "quad.obj: geometry.mesh: has a point at (1, -2e+09, 0) (expected coordinates of at "
+        "most 1e+09 in size)");
+}
+
 TEST(BrokenMesh, WithUvTrianglesOfNoArea) {
     EXPECT_EQ(line_of_mesh(std::string(kCorners) + kUvs + "f 1/1 2/2 3/3\nf 1/1 3/3 4/3\n"),
               "quad.obj: geometry.mesh: triangle 1 has no area in the texture (1 of 2 triangles) "
@@ -273,6 +280,13 @@ TEST(BrokenRange, WithInfiniteDepth) {
     EXPECT_EQ(line_of_range(depth_changes(), "depth.exr", range),
               "depth.exr: geometry.range: pixel (0, 2) is inf (expected a distance above 0, or NaN "
               "where nothing was measured)");
+}
+
+TEST(BrokenRange, WithPointsBeyondMeasure) {
+    EXPECT_THAT(
+        line_of_range(cylinder_changes(), "range.exr", Image(8, 4, 1, 2e12F)),
+        ::testing::AllOf(::testing::StartsWith("range.exr: geometry.range: has a point at ("),
+                         ::testing::EndsWith("(expected coordinates of at most 1e+09 in size)")));
 }
 
 TEST(BrokenRange, OfThreeChannels) {

@@ -61,6 +61,8 @@ TEST(BrokenWords, OfTheMesh) {
          "geometry.texels[1]: is 0 (expected an integer from 1 to 32768)"},
         {{{R"("texels": [4, 4])", R"("texels": [4.5, 4])"}},
          "geometry.texels[0]: is 4.5 (expected an integer from 1 to 32768)"},
+        {{{R"("texels": [4, 4])", R"("texels": [32768, 32768])"}},
+         "geometry.texels: makes 32768 x 32768 texels (expected at most 67108864)"},
         {{{R"("texels": [4, 4])", R"("texels": [4, 4], "unwrap": 1)"}},
          "geometry.unwrap: is 1 (expected true or false)"},
         {{{R"("texels": [4, 4])", R"("texels": [4, 4], "normal_stddev": -1)"}},
@@ -214,6 +216,21 @@ TEST(BrokenWords, OfTheShots) {
          "shots: is empty (expected a list of at least one shot)"},
         {{{R"("shots": [)", R"("x-shots": [)"}},
          "shots: is missing (expected a list of at least one shot)"},
+    });
+}
+
+TEST(BrokenWords, OfNumbersBeyondMeasure) {
+    expect_lines({
+        {{{R"("cx": 2)", R"("cx": -1e16)"}},
+         "cameras[0].cx: is -1e+16 (expected at most 1e+13 in size)"},
+        {{{R"("fx": 5)", R"("fx": 1e300)"}},
+         "cameras[0].fx: is 1e+300 (expected at most 1e+13 in size)"},
+        {{{R"("exposure": 1)", R"("exposure": 5e-324)"}},
+         "shots[0].exposure: is 5e-324 (expected at least 1e-13)"},
+        {{{R"("intensity": [1, 1, 1])", R"("intensity": [1, 1e39, 1])"}},
+         "lights[0].intensity[1]: is 1e+39 (expected at most 1e+13 in size)"},
+        {{{R"("intensity": [1, 1, 1])", R"("intensity": [1, 1, 9223372036854775807])"}},
+         "lights[0].intensity[2]: is 9223372036854775807 (expected at most 1e+13 in size)"},
     });
 }
 

@@ -102,7 +102,7 @@ struct RadianceImage {
     // Three channels [W/(m^2 sr), or the capture's own unit]; always finite, 0 where the file is
     // not.
     Image radiance;
-    std::vector<std::uint8_t> usable;  // per pixel; 0: masked, saturated, not finite
+    std::vector<std::uint8_t> usable;  // per pixel; 0: masked, saturated, out of range
     // Of the radiance, from read and shot noise, per pixel and channel; empty when no noise is
     // stated.
     Image variance;

@@ -9,6 +9,12 @@ namespace {
 
 constexpr double kFullTurn = 360;  // [degrees]
 
+void check_texel_count(const JsonField& field, const GeometrySource& source) {
+    if (source.texel_width <= kMaxTexels / source.texel_height) return;
+    field.fail(fmt::format("makes {} x {} texels", source.texel_width, source.texel_height),
+               fmt::format("at most {}", kMaxTexels));
+}
+
 void read_mesh_source(const JsonField& field,
                       const std::filesystem::path& folder,
                       GeometrySource& source) {
@@ -21,6 +27,7 @@ void read_mesh_source(const JsonField& field,
     }
     source.texel_width = texels[0].integer(1, kMaxTexelSide);
     source.texel_height = texels[1].integer(1, kMaxTexelSide);
+    check_texel_count(field["texels"], source);
     if (field["unwrap"].present()) source.unwrap = field["unwrap"].boolean();
 }
 
@@ -40,6 +47,7 @@ void read_range_size(const JsonField& field,
     }
     source.texel_width = size.width;
     source.texel_height = size.height;
+    check_texel_count(field, source);
 }
 
 void read_cylinder(const JsonField& field, RangeFrame& frame) {

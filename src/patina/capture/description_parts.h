@@ -13,6 +13,8 @@ namespace patina {
 inline constexpr int kMaxImageSide = 65536;
 // Largest width or height of the texel domain: texels are numbered in 32 bits [texels].
 inline constexpr int kMaxTexelSide = 32768;
+// Most texels of the domain: what a machine can hold some hundred bytes each of [texels].
+inline constexpr int kMaxTexels = 1 << 26;
 
 // The path that a field gives, checked: relative, with '/', inside the folder (symbolic links
 // followed), an existing file.

@@ -20,6 +20,10 @@ constexpr float kUvRounding = 1e-6F;
 constexpr double kOverlapRounding = 1e-6;
 constexpr double kOverlapTexels = 0.02;
 
+// Far beyond any object in any unit, and small enough for its cube to be finite as a float
+// [length].
+constexpr float kMaxCoordinate = 1e9F;
+
 // Where a fault of the geometry is reported: the file of the surface, and the field that names it.
 struct Place {
     std::string file;
@@ -49,6 +53,16 @@ void check_triangles(const Mesh& mesh,
         fmt::format(
             "triangle {} {} ({} of {} triangles)", *first, problem, count, mesh.triangles.size()),
         expected);
+}
+
+// For range images too, whose points follow from numbers of capture.json.
+void check_positions(const Mesh& mesh, const Place& place) {
+    for (const Vec3f& p : mesh.positions) {
+        // NaN compares false.
+        if (p.cwiseAbs().maxCoeff() <= kMaxCoordinate && p.allFinite()) continue;
+        place.fail(fmt::format("has a point at ({:g}, {:g}, {:g})", p.x(), p.y(), p.z()),
+                   fmt::format("coordinates of at most {:g} in size", kMaxCoordinate));
+    }
 }
 
 void check_areas(const Mesh& mesh, const Place& place) {
@@ -100,6 +114,7 @@ Mesh load_mesh(const CaptureDescription& description) {
     const std::filesystem::path path = description.folder / source.mesh_file;
     const Place place{path.string(), "geometry.mesh"};
     Mesh mesh = read_mesh(path, place.field);
+    check_positions(mesh, place);
     check_areas(mesh, place);
     if (mesh.uvs.empty()) {
         if (!source.unwrap) {
@@ -158,6 +173,7 @@ Mesh load_range(const CaptureDescription& description) {
         place.fail("has no surface: no measured pixels are joined",
                    "measured neighbours nearer than max_step");
     }
+    check_positions(mesh, place);
     return mesh;
 }
 

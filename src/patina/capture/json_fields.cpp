@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 namespace patina {
 
@@ -72,6 +73,9 @@ double JsonField::number_checked(bool (*good)(double), const std::string& expect
     const bool numeric =
         present() && (value_->kind == JsonKind::integer || value_->kind == JsonKind::number);
     if (!numeric || !good(value_->number)) fail(description(), expected);
+    if (std::abs(value_->number) > kMaxNumber) {
+        fail(description(), fmt::format("at most {:g} in size", kMaxNumber));
+    }
     return value_->number;
 }
 
@@ -80,7 +84,9 @@ double JsonField::number() const {
 }
 
 double JsonField::number_above_zero() const {
-    return number_checked([](double value) { return value > 0; }, "a number above 0");
+    const double value = number_checked([](double v) { return v > 0; }, "a number above 0");
+    if (value < 1 / kMaxNumber) fail(description(), fmt::format("at least {:g}", 1 / kMaxNumber));
+    return value;
 }
 
 double JsonField::number_not_below_zero() const {

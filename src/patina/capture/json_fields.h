@@ -11,6 +11,11 @@
 
 namespace patina {
 
+// Far beyond any length, focal length, intensity or radiance in any unit, and so small that its
+// square is finite as a float and a ray may start that far times an image's side away
+// (Embree: 1.8e18).
+inline constexpr double kMaxNumber = 1e13;
+
 // A value of a document together with where it stands. Every reader throws Error with that place
 // when the value is missing or not what was asked for. The document must outlive it.
 class JsonField {
@@ -31,6 +36,7 @@ class JsonField {
     // expected: what the message says was wanted.
     [[nodiscard]] bool boolean() const;
     [[nodiscard]] std::string text(const std::string& expected = "text") const;
+    // Numbers from -kMaxNumber to kMaxNumber; those above 0 begin at 1 / kMaxNumber.
     [[nodiscard]] double number() const;
     [[nodiscard]] double number_above_zero() const;
     [[nodiscard]] double number_not_below_zero() const;
@@ -58,6 +64,7 @@ class JsonField {
   private:
     // Fails unless the value is there and of that kind.
     void require(JsonKind kind, const std::string& expected) const;
+    // The number, once it is one, not beyond kMaxNumber and `good`; expected: of a good one.
     [[nodiscard]] double number_checked(bool (*good)(double), const std::string& expected) const;
     // "is 3", "is \"abc\"", "is an object", "is missing".
     [[nodiscard]] std::string description() const;

@@ -1,7 +1,7 @@
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
 #include "patina/capture/capture.h"
-#include "patina/capture/json.h"
+#include "patina/capture/json_fields.h"
 
 #include <fmt/format.h>
 
@@ -108,16 +108,17 @@ RadianceImage load_radiance(const CaptureDescription& description, std::size_t s
             double p = linear_value(radiometry, stored, pixel, channel);
             if (!dark.image.empty()) p -= linear_value(radiometry, dark, pixel, channel);
             const auto radiance = float(p / shot.exposure);
-            if (!std::isfinite(radiance)) {
+            const double variance =
+                (square(radiometry.noise_read) + radiometry.noise_gain * std::max(p, 0.0)) /
+                square(shot.exposure);
+            // NaN compares false.
+            if (!(std::abs(radiance) <= kMaxNumber && variance <= square(kMaxNumber))) {
                 result.usable[pixel] = 0;
                 continue;
             }
             const std::size_t slot = 3 * pixel + std::size_t(channel);
             result.radiance.data[slot] = radiance;
-            if (!radiometry.has_noise) continue;
-            const double variance =
-                square(radiometry.noise_read) + radiometry.noise_gain * std::max(p, 0.0);
-            result.variance.data[slot] = float(variance / square(shot.exposure));
+            if (radiometry.has_noise) result.variance.data[slot] = float(variance);
         }
     });
     if (!shot.mask.empty()) {

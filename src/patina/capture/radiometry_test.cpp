@@ -131,6 +131,26 @@ TEST(Radiometry, LeavesOutWhatIsNotFinite) {
     EXPECT_EQ(image.radiance.at(1, 0, 2), 0);
 }
 
+TEST(Radiometry, LeavesOutWhatIsBeyondMeasure) {
+    CaptureFixture fixture;
+    write_exr(fixture.folder() / "image.exr", image_with(0, -2e13F, 0));
+    const RadianceImage image =
+        radiance_of(fixture, R"({"response": "linear"})", R"("image": "image.exr")");
+    EXPECT_EQ(image.usable[0], 0);
+    EXPECT_EQ(image.radiance.at(0, 0, 1), 0);
+    EXPECT_EQ(image.usable[1], 1);
+}
+
+TEST(Radiometry, LeavesOutWhoseVarianceIsBeyondMeasure) {
+    CaptureFixture fixture;
+    const RadianceImage image =
+        radiance_of(fixture,
+                    R"({"response": "linear", "noise": {"read": 1e12, "gain": 0}})",
+                    R"("image": "image.exr", "exposure": 2e-10)");
+    EXPECT_EQ(image.usable[0], 0);
+    EXPECT_EQ(image.variance.at(0, 0, 0), 0);
+}
+
 TEST(Radiometry, LeavesOutWhatTheMaskMarks) {
     CaptureFixture fixture;
     Image mask(4, 3, 1, 1);
