@@ -132,8 +132,7 @@ class PhotonTracer {
             wave->clear(static_cast<std::uint32_t>(first / 2));
             const std::uint64_t last = std::min<std::uint64_t>(first + PhotonWave::kSize, end);
             for (std::uint64_t photon = first; photon < last; ++photon) {
-                const auto half = std::size_t(photon % 2);
-                PhotonWave::Start start = emit(photon, hashes[half], cursors[half]);
+                PhotonWave::Start start = emit(photon, hashes[photon % 2], cursors[photon % 2]);
                 start.number = std::size_t(photon - first);
                 if ((start.power > 0).any()) wave->add(start);
             }
@@ -168,10 +167,9 @@ class PhotonTracer {
     [[nodiscard]] PhotonWave::Start emit(std::uint64_t photon,
                                          std::uint32_t hash,
                                          StartDistribution::Cursor& cursor) const {
-        const std::uint64_t half = photon % 2;
         const std::uint64_t index = photon / 2;
         const auto [jitter, lamp_choice] = draw(hash, index, 1);
-        const double position = (double(index) + jitter) / double(half_size(half));
+        const double position = (double(index) + jitter) / double(half_size(photon % 2));
         const auto [texel, probability] = cursor.at(position);
         PhotonWave::Start start;
         start.texel = texel;

@@ -234,17 +234,20 @@ class LobeBatch {
     using Lane = std::array<float, kCapacity>;
 
     // The three Gaussians over max(cos_i, c0); zero out of reach.
-    void weigh(const LobeView& view) {
-        for (std::size_t i = 0; i < size_; ++i) {
+    // view by value, size kept: nothing that is stored may change them, or the loop has no lanes.
+    void weigh(const LobeView view) {
+        const std::size_t size = size_;
+        for (std::size_t i = 0; i < size; ++i) {
             const float versine =
                 1 - (view.mirror.x() * x_[i] + view.mirror.y() * y_[i] + view.mirror.z() * z_[i]);
             const float cos_i =
                 view.normal.x() * x_[i] + view.normal.y() * y_[i] + view.normal.z() * z_[i];
             const float over_cosine = 1 / std::max(cos_i, float(kCosineFloor));
             const float in_reach = (versine <= view.max_versine) & (cos_i > 0) ? over_cosine : 0.0f;
-            // The three are powers of each other.
-            const float twice =
-                exp_of_negative(-0.5f * squared_angle(versine) * view.inverse_widest);
+            // The three are powers of each other. The reach keeps them from underflow, which is
+            // slow.
+            const float twice = exp_of_negative(
+                -0.5f * squared_angle(std::min(versine, view.max_versine)) * view.inverse_widest);
             const float same = square_of(square_of(twice));
             twice_[i] = in_reach * twice;
             same_[i] = in_reach * same;
