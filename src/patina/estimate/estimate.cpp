@@ -4,7 +4,8 @@
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
 #include "patina/estimate/fill.h"
-#include "patina/estimate/gather_engine.h"
+#include "patina/estimate/finish.h"
+#include "patina/estimate/gather_iteration.h"
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/texel_turn.h"
 #include "patina/math/statistics.h"
@@ -50,6 +51,7 @@ class Iteration {
         : capture_(capture),
           scene_(scene),
           observations_(observations),
+          rows_(scene, observations),
           options_(options),
           progress_(progress),
           num_texels_(capture.atlas.texels.size()),
@@ -62,12 +64,9 @@ class Iteration {
     }
 
     void run_direct() {
-        // Method gather fits all parameters at once: nothing alternates, and the second turn knows
-        // the noise.
-        const int num_turns = is_joint() ? 2 : kDirectIterations;
-        progress_.begin_stage("method direct", std::uint64_t(num_turns), "turns");
+        progress_.begin_stage("method direct", kDirectIterations, "turns");
         const IndirectLight none;
-        for (int turn = 0; turn < num_turns; ++turn) {
+        for (int turn = 0; turn < kDirectIterations; ++turn) {
             const IterationLog log = take_turn("direct", none, turn > 0, turn);
             progress_.advance(1);
             if (turn > 2 && log.change < options_.tolerance) break;
@@ -102,47 +101,11 @@ class Iteration {
     }
 
     [[nodiscard]] Estimate finish() {
-        // Errors are those of the last turn's light and the final maps.
-        result_.errors.resize(num_texels_);
-        result_.status.assign(num_texels_, TexelStatus::filled);
-        result_.indirect_over_direct.assign(num_texels_, 0.0f);
-        parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
-            std::vector<FitRow> rows;
-            for (std::size_t i = begin; i < end; ++i) {
-                make_rows(i, indirect_, rows);
-                finish_texel(i, rows);
-            }
-        });
+        finish_estimate(rows_, observations_, indirect_, fits_, {}, result_);
         return std::move(result_);
     }
 
   private:
-    [[nodiscard]] bool is_joint() const { return options_.method == Method::gather; }
-
-    // --- The light of every look -----------------------------------------------------------------
-
-    void make_rows(std::size_t texel, const IndirectLight& light, std::vector<FitRow>& rows) const {
-        rows.clear();
-        for (const Observation& look : observations_.of(texel)) {
-            FitRow& row = rows.emplace_back();
-            row.radiance = look.radiance.cast<double>();
-            row.lamps = observations_.lamps(look);
-            row.theta_r = double(look.theta_r);
-            for (const LampTerm& lamp : row.lamps) row.irradiance += lamp.irradiance.cast<double>();
-            Rgb variance = look.variance.cast<double>();
-            if (!light.irradiance.empty()) {
-                const IndirectIrradiance& indirect =
-                    light.irradiance[scene_.lamp_set_of_shot[look.shot]];
-                row.irradiance += indirect.mean(texel);
-                row.irradiance_variance = indirect.variance(texel);
-                variance += (result_.maps[texel].diffuse / kPi).square() * row.irradiance_variance;
-            }
-            if (!light.lobe.empty()) row.indirect_lobe = light.lobe[look.shot][texel];
-            row.indirect_roughness = result_.maps[texel].roughness;
-            row.weight = 1 / variance.max(kSmallestVariance);
-        }
-    }
-
     // --- One turn --------------------------------------------------------------------------------
 
     IterationLog take_turn(const std::string& stage,
@@ -155,7 +118,7 @@ class Iteration {
         parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
             std::vector<FitRow> rows;
             for (std::size_t i = begin; i < end; ++i) {
-                make_rows(i, light, rows);
+                rows_.make(i, light, result_.maps[i], rows);
                 for (const FitRow& row : rows) {
                     sums[begin / kParallelBlock] +=
                         {(row.radiance - predict(row, result_.maps[i])).square().sum(), 3.0};
@@ -176,8 +139,7 @@ class Iteration {
         log.error = total.count > 0 ? total.squared_error / total.count : 0;
         log.spectral_radius = light.spectral_radius;
         log.retraced = light.retraced;
-        // One sweep for each fit contracts by lambda as it is.
-        if (options_.loop == Loop::damped && !is_joint() && !light.irradiance.empty()) {
+        if (options_.loop == Loop::damped && !light.irradiance.empty()) {
             log.damping = std::max(kMinDamping, 1 - square(std::min(1.0, light.spectral_radius)));
         }
         // Indirect light seen through a lobe follows the lobe's own fit, which may answer by
@@ -203,7 +165,7 @@ class Iteration {
         for (std::size_t k = 0; k < rows.size(); ++k) {
             rows[k].pixel_class = joint ? PixelClass::neither : stored[k];
         }
-        if (is_joint() || !has_diffuse_row(rows)) joint = true;
+        if (!has_diffuse_row(rows)) joint = true;
     }
 
     void update_noise_scale() {
@@ -251,7 +213,7 @@ class Iteration {
             std::vector<FitRow> rows;
             for (std::size_t i = begin; i < end; ++i) {
                 if (specular[i] == 0 || roughness[i] != 0) continue;
-                make_rows(i, light, rows);
+                rows_.make(i, light, result_.maps[i], rows);
                 Reflectance& fitted = fits_[i].reflectance;
                 fitted.specular = fit_specular_at(rows, fitted.diffuse, fitted.roughness).specular;
             }
@@ -282,36 +244,6 @@ class Iteration {
         return size > 0 ? std::sqrt(moved / size) : 0;
     }
 
-    // --- The end ---------------------------------------------------------------------------------
-
-    void finish_texel(std::size_t texel, const std::vector<FitRow>& rows) {
-        Reflectance& error = result_.errors[texel];
-        error.diffuse = Rgb::Constant(kInfinity);
-        error.specular = kInfinity;
-        error.roughness = kInfinity;
-        if (rows.empty()) return;
-        const TexelFit& fit = fits_[texel];
-        const FitErrors errors = fit_errors(rows, result_.maps[texel]);
-        const double scale = std::max(result_.noise_scale, std::sqrt(errors.misfit));
-        if (fit.roughness_measured) {
-            error.diffuse = scale * errors.diffuse;
-            error.specular = scale * errors.specular;
-            error.roughness = scale * errors.roughness;
-        } else {
-            error.diffuse = scale * errors.diffuse_lobe_known;
-            if (fit.specular_measured) error.specular = scale * errors.specular_sigma_known;
-        }
-        result_.status[texel] =
-            fit.specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
-        double direct = 0;
-        double whole = 0;
-        for (const FitRow& row : rows) {
-            for (const LampTerm& lamp : row.lamps) direct += double(lamp.irradiance.mean());
-            whole += row.irradiance.mean();
-        }
-        if (direct > 0) result_.indirect_over_direct[texel] = float(whole / direct - 1);
-    }
-
     [[nodiscard]] std::string last_turn() const {
         const IterationLog& log = result_.iterations.back();
         return fmt::format(
@@ -324,12 +256,10 @@ class Iteration {
             log.spectral_radius);
     }
 
-    // Keeps weights finite for captures that are noise-free to the last bit [radiance^2].
-    static constexpr double kSmallestVariance = 1e-16;
-
     const Capture& capture_;
     const SceneView& scene_;
     const Observations& observations_;
+    FitRowMaker rows_;
     const EstimateOptions& options_;
     Progress& progress_;
     std::size_t num_texels_;
@@ -365,12 +295,12 @@ Estimate estimate_reflectance(const Capture& capture,
     const SceneView scene = view_scene(capture, surface, progress);
     const Observations observations =
         collect_observations(capture, scene, options.observations, progress);
+    if (options.method == Method::gather) {
+        return estimate_by_gathering(capture, surface, scene, observations, options, progress);
+    }
     Iteration iteration(capture, scene, observations, options, progress);
     iteration.run_direct();
-    if (options.method == Method::gather) {
-        GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
-        iteration.run_indirect(engine, "gather", true, options.tolerance);
-    } else if (options.method != Method::direct) {
+    if (options.method != Method::direct) {
         PhotonEngine engine(surface, capture.atlas, scene, options, progress);
         const bool is_start = options.method == Method::photon;
         iteration.run_indirect(

@@ -79,9 +79,8 @@ void GatherEngine::add_irradiance(const LampPlace& place,
         values.resize(atlas_.texels.size(), Rgbf::Zero());
         parallel_for(values.size(), [&](std::size_t i) {
             const auto& lanes = halves[half][i];
-            values[i] += place.color * Rgbf(lanes[0][place.lane],
-                                            lanes[1][place.lane],
-                                            lanes[2][place.lane]);
+            values[i] += place.color *
+                         Rgbf(lanes[0][place.lane], lanes[1][place.lane], lanes[2][place.lane]);
         });
     }
 }

@@ -28,13 +28,13 @@ bool lobe_is_shown(std::span<const FitRow> rows, double roughness, const FitOpti
     });
 }
 
-// Which of the lobe parameters count as measured. What was measured before stays so until it misses
-// the mark by half; once settled, what was not measured stays out.
-void judge(std::span<const FitRow> rows,
-           double noise_scale,
-           bool settled,
-           const FitOptions& options,
-           TexelFit& fit) {
+}  // namespace
+
+void judge_lobe(std::span<const FitRow> rows,
+                double noise_scale,
+                bool settled,
+                const FitOptions& options,
+                TexelFit& fit) {
     const FitErrors errors = fit_errors(rows, fit.reflectance);
     fit.misfit = errors.misfit;
     // A texel that the model fits worse than others is known less well than its noise says.
@@ -59,9 +59,9 @@ void judge(std::span<const FitRow> rows,
     const bool matte = ps < kSpecularDetection * matte_error &&
                        holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
     fit.specular_measured = fit.roughness_measured || matte;
+    fit.specular_error = scale * errors.specular;
+    fit.roughness_error = scale * errors.roughness;
 }
-
-}  // namespace
 
 TexelFit fit_texel(std::span<const FitRow> rows,
                    const Reflectance& present,
@@ -83,7 +83,7 @@ TexelFit fit_texel(std::span<const FitRow> rows,
         has_lobe = lobe.has_rows;
     }
     if (has_lobe) {
-        judge(rows, noise_scale, settled, options, fit);
+        judge_lobe(rows, noise_scale, settled, options, fit);
     } else {
         fit.specular_measured = fit.roughness_measured = false;
     }

@@ -15,7 +15,17 @@ struct TexelFit {
     bool roughness_measured = false;
     bool joint = false;  // fitted in one step: no T_diff pixels, or classes that do not settle
     double misfit = 1;   // see FitErrors
+    double specular_error = 0;   // standard error of Ps when it was judged, all free [-]
+    double roughness_error = 0;  // of sigma [rad]
 };
+
+// Decides which of the lobe's parameters in fit.reflectance count as measured. What was measured
+// before stays so until it misses the mark by half. settled: what was not measured stays out.
+void judge_lobe(std::span<const FitRow> rows,
+                double noise_scale,
+                bool settled,
+                const FitOptions& options,
+                TexelFit& fit);
 
 // rows: with their classes. present: the texel's map, for the light that is predicted and
 // subtracted. previous: of the turn before; its `joint` is this turn's. noise_scale: see Estimate.

@@ -12,11 +12,10 @@ namespace patina {
 [[nodiscard]] inline float squared_angle(float versine) {
     return versine *
            (2.0f +
-            versine *
-                (1.0f / 3 +
-                 versine *
-                     (4.0f / 45 +
-                      versine * (1.0f / 35 + versine * (16.0f / 1575 + versine * (8.0f / 2079))))));
+            versine * (1.0f / 3 +
+                       versine * (4.0f / 45 +
+                                  versine * (1.0f / 35 +
+                                             versine * (16.0f / 1575 + versine * (8.0f / 2079))))));
 }
 
 // exp(x) for x <= 0, relative error below 2e-6 down to -20: exp(x / 16) by its series, squared four

@@ -67,15 +67,14 @@ class GraphTracer {
             auto numbers = sampler(texel, std::uint64_t(Stream::first_view) + view, k);
             const bool is_defensive = k % kDefensiveShare == 0;
             const auto u = numbers.next_pair();
-            const Vec3 w =
-                is_defensive ? about_normal.to_world(square_to_cosine_hemisphere(u))
-                             : about_mirror.to_world(square_to_von_mises_fisher(u, kappa));
+            const Vec3 w = is_defensive
+                               ? about_normal.to_world(square_to_cosine_hemisphere(u))
+                               : about_mirror.to_world(square_to_von_mises_fisher(u, kappa));
             const double cosine = normal.dot(w);
             if (!(cosine > 0)) continue;
-            const double density =
-                (cosine / kPi +
-                 (kDefensiveShare - 1) * von_mises_fisher_pdf(mirror.dot(w), kappa)) /
-                kDefensiveShare;
+            const double density = (cosine / kPi + (kDefensiveShare - 1) *
+                                                       von_mises_fisher_pdf(mirror.dot(w), kappa)) /
+                                   kDefensiveShare;
             const double weight = cosine / (density * options_.lobe_rays);
             trace(texel, w, float(weight), half_of(k, options_.lobe_rays), hits);
         }
@@ -189,11 +188,12 @@ GatherGraph trace_gather_graph(const Surface& surface,
             if (wanted(i)) graph.num_rays += std::uint64_t(options.lobe_rays);
         }
     }
-    progress.end_stage(fmt::format("{:.1f} M rays, {:.1f} M hits for the irradiance, {:.0f} % of "
-                                   "the texels convex",
-                                   double(graph.num_rays) / 1e6,
-                                   double(graph.irradiance.hits.size()) / 1e6,
-                                   100.0 * (1 - double(num_concave) / double(num_texels))));
+    progress.end_stage(
+        fmt::format("{:.1f} M rays, {:.1f} M hits for the irradiance, {:.0f} % of "
+                    "the texels convex",
+                    double(graph.num_rays) / 1e6,
+                    double(graph.irradiance.hits.size()) / 1e6,
+                    100.0 * (1 - double(num_concave) / double(num_texels))));
     return graph;
 }
 

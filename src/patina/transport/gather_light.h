@@ -1,8 +1,8 @@
 // The lamps' direct light where the gather graph meets the surface, lamps side by side in lanes.
 //
-// Lamps that stand still light a texel in the same way whoever looks at it: one row per texel. Lamps
-// that turn with the scanner stand elsewhere for every column, so there every hit has a row of its
-// own, with its own shadow rays, for the azimuth of the texel that gathers.
+// Lamps that stand still light a texel in the same way whoever looks at it: one row per texel.
+// Lamps that turn with the scanner stand elsewhere for every column, so there every hit has a row
+// of its own, with its own shadow rays, for the azimuth of the texel that gathers.
 #pragma once
 
 #include "patina/transport/gather_graph.h"

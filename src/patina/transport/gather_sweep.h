@@ -1,11 +1,12 @@
-// One sweep of light over the gather graph: from the light that every texel now sends out, the light
-// that arrives at every texel after one more bounce.
+// One sweep of light over the gather graph: from the light that every texel now sends out, the
+// light that arrives at every texel after one more bounce.
 //
 //     H_ind(x) <- sum_k weight_k L(y_k, x),   L = [Pd (E + H_ind) + Ps A H_ind] / pi + f_s E
 //
-// f_s E is the lobe's image of the lamp, evaluated exactly; what the lobe sends on of indirect light
-// is spread evenly (Ps A, A the lobe's directional albedo averaged over the hemisphere). Sweeps
-// repeated under fixed maps converge to the full solution; docs/theory.md, "The gather graph".
+// f_s E is the lobe's image of the lamp, evaluated exactly; what the lobe sends on of indirect
+// light is spread evenly (Ps A, A the lobe's directional albedo averaged over the hemisphere).
+// Sweeps repeated under fixed maps converge to the full solution; docs/theory.md, "The gather
+// graph".
 #pragma once
 
 #include "patina/transport/gather_light.h"
@@ -83,11 +84,11 @@ class LampBlockLight {
 
     LampBlock lamps_;
     bool turning_;
-    std::vector<LitLanes> texel_lanes_;                // standing lamps
-    std::vector<CompactLanes> irradiance_lanes_;       // turning lamps, per hit
+    std::vector<LitLanes> texel_lanes_;                  // standing lamps
+    std::vector<CompactLanes> irradiance_lanes_;         // turning lamps, per hit
     std::vector<std::vector<CompactLanes>> lobe_lanes_;  // the same, per camera view
-    IndirectLanes indirect_;                           // of the last sweep
-    IndirectLanes radiosity_;                          // over pi, what is sent evenly
+    IndirectLanes indirect_;                             // of the last sweep
+    IndirectLanes radiosity_;                            // over pi, what is sent evenly
 };
 
 }  // namespace patina

@@ -1,0 +1,21 @@
+// What an estimate says of a texel at the end: its standard errors, its status, its indirect light.
+#pragma once
+
+#include "patina/estimate/estimate.h"
+#include "patina/estimate/fit_rows.h"
+#include "patina/estimate/texel_turn.h"
+
+#include <span>
+
+namespace patina {
+
+// Errors are those of the last turn's light and the final maps. Fills errors, status and
+// indirect_over_direct. robust: a factor on the weight of every row of the observations; empty: 1.
+void finish_estimate(const FitRowMaker& maker,
+                     const Observations& observations,
+                     const IndirectLight& light,
+                     std::span<const TexelFit> fits,
+                     std::span<const float> robust,
+                     Estimate& estimate);
+
+}  // namespace patina

@@ -1,0 +1,36 @@
+#include "patina/estimate/fit_rows.h"
+
+namespace patina {
+namespace {
+
+// Keeps weights finite for captures that are noise-free to the last bit [radiance^2].
+constexpr double kSmallestVariance = 1e-16;
+
+}  // namespace
+
+void FitRowMaker::make(std::size_t texel,
+                       const IndirectLight& light,
+                       const Reflectance& map,
+                       std::vector<FitRow>& rows) const {
+    rows.clear();
+    for (const Observation& look : observations_.of(texel)) {
+        FitRow& row = rows.emplace_back();
+        row.radiance = look.radiance.cast<double>();
+        row.lamps = observations_.lamps(look);
+        row.theta_r = double(look.theta_r);
+        for (const LampTerm& lamp : row.lamps) row.irradiance += lamp.irradiance.cast<double>();
+        Rgb variance = look.variance.cast<double>();
+        if (!light.irradiance.empty()) {
+            const IndirectIrradiance& indirect =
+                light.irradiance[scene_.lamp_set_of_shot[look.shot]];
+            row.irradiance += indirect.mean(texel);
+            row.irradiance_variance = indirect.variance(texel);
+            variance += (map.diffuse / kPi).square() * row.irradiance_variance;
+        }
+        if (!light.lobe.empty()) row.indirect_lobe = light.lobe[look.shot][texel];
+        row.indirect_roughness = map.roughness;
+        row.weight = 1 / variance.max(kSmallestVariance);
+    }
+}
+
+}  // namespace patina

@@ -1,0 +1,28 @@
+// The rows of a texel's fit: its looks under the light of the present iteration.
+#pragma once
+
+#include "patina/estimate/indirect.h"
+#include "patina/estimate/observations.h"
+#include "patina/estimate/texel_fit.h"
+
+#include <vector>
+
+namespace patina {
+
+class FitRowMaker {
+  public:
+    FitRowMaker(const SceneView& scene, const Observations& observations)
+        : scene_(scene), observations_(observations) {}
+
+    // map: the texel's present maps, for the noise that the indirect light adds.
+    void make(std::size_t texel,
+              const IndirectLight& light,
+              const Reflectance& map,
+              std::vector<FitRow>& rows) const;
+
+  private:
+    const SceneView& scene_;
+    const Observations& observations_;
+};
+
+}  // namespace patina

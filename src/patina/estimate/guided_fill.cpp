@@ -1,0 +1,188 @@
+#include "patina/estimate/guided_fill.h"
+
+#include "patina/base/check.h"
+#include "patina/base/parallel.h"
+
+#include <Eigen/IterativeLinearSolvers>
+#include <Eigen/SparseCore>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <numeric>
+
+namespace patina {
+namespace {
+
+// Colours this far apart count as different materials: a quarter in brightness, 0.02 in
+// chromaticity.
+constexpr double kBrightnessScale = 0.25;
+constexpr double kChromaScale = 0.02;
+constexpr double kSmallestAlbedo = 1e-3;
+// Normals of neighbours that differ by so much lie across an edge [rad].
+constexpr double kNormalScale = 0.3;
+constexpr float kWeakestLink = 1e-3f;
+// e: values fade to the trend over about so many texels.
+constexpr double kReach = 60.0;
+// Known texels that the trend is made of, at most, and how many of them count as nothing new.
+constexpr std::size_t kMaxSamples = 2000;
+constexpr double kPriorCount = 2.0;
+// The solver's relative residual; more steps than its limit would change nothing to be seen.
+constexpr double kSolverTolerance = 1e-5;
+constexpr int kSolverSteps = 400;
+
+struct Sample {
+    Vec3 color = Vec3::Zero();
+    double value = 0;
+    double weight = 0;
+};
+
+// Mean of the samples of a like colour, drawn towards `prior` where there are few.
+double kernel_mean(std::span<const Sample> samples, const Vec3& color, double prior) {
+    double weight = kPriorCount;
+    double sum = kPriorCount * prior;
+    for (const Sample& sample : samples) {
+        const double distance = (sample.color - color).squaredNorm();
+        if (distance > 9) continue;
+        const double w = sample.weight * std::exp(-0.5 * distance);
+        weight += w;
+        sum += w * sample.value;
+    }
+    return sum / weight;
+}
+
+// How much of the samples' variance their colour explains: every second sample predicted from the
+// others [0 to 1].
+double explained_share(std::span<const Sample> samples, double mean) {
+    std::array<std::vector<Sample>, 2> sets;
+    for (std::size_t i = 0; i < samples.size(); ++i) sets[i % 2].push_back(samples[i]);
+    double before = 0;
+    double after = 0;
+    for (const Sample& sample : sets[1]) {
+        const double predicted = kernel_mean(sets[0], sample.color, mean);
+        before += sample.weight * square(sample.value - mean);
+        after += sample.weight * square(sample.value - predicted);
+    }
+    return before > 0 ? std::clamp(1 - after / before, 0.0, 1.0) : 0.0;
+}
+
+}  // namespace
+
+GuidedFill::GuidedFill(const TexelAtlas& atlas, std::span<const Rgb> diffuse)
+    : atlas_(atlas), color_(atlas.texels.size()), link_(atlas.neighbors.size()) {
+    PATINA_CHECK_EQ(diffuse.size(), atlas.texels.size());
+    parallel_for(color_.size(), [&](std::size_t i) {
+        const Rgb albedo = diffuse[i].max(kSmallestAlbedo);
+        const double sum = albedo.sum();
+        color_[i] = Vec3(std::log(sum / 3) / kBrightnessScale,
+                         albedo[0] / sum / kChromaScale,
+                         albedo[1] / sum / kChromaScale);
+    });
+    parallel_for(color_.size(), [&](std::size_t i) {
+        for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
+            const TexelId j = atlas.neighbors[k];
+            const double bend =
+                (atlas.texels[i].point.normal - atlas.texels[j].point.normal).squaredNorm() /
+                square(kNormalScale);
+            const double differs = (color_[i] - color_[j]).squaredNorm();
+            link_[k] = std::max(kWeakestLink, float(std::exp(-0.5 * (bend + differs))));
+        }
+    });
+}
+
+std::vector<double> GuidedFill::trend(std::span<const float> confidence,
+                                      std::span<const double> values) const {
+    std::vector<std::size_t> known;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (confidence[i] > 0) known.push_back(i);
+    }
+    const std::size_t stride = (known.size() + kMaxSamples - 1) / kMaxSamples;
+    std::vector<Sample> samples;
+    double weight = 0;
+    double sum = 0;
+    for (std::size_t k = stride / 2; k < known.size(); k += stride) {
+        const std::size_t i = known[k];
+        samples.push_back({color_[i], values[i], double(confidence[i])});
+        weight += samples.back().weight;
+        sum += samples.back().weight * samples.back().value;
+    }
+    const double mean = sum / weight;
+    const double share = explained_share(samples, mean);
+    // Colours on a grid finer than the kernel are looked up once.
+    using Cell = std::array<int, 3>;
+    const auto cell_of = [&](std::size_t i) {
+        Cell cell;
+        for (std::size_t c = 0; c < 3; ++c) {
+            cell[c] = int(std::floor(2 * color_[i][Eigen::Index(c)]));
+        }
+        return cell;
+    };
+    std::map<Cell, double> trend_of_cell;
+    std::vector<double> result(values.size(), mean);
+    if (share <= 0) return result;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const Cell cell = cell_of(i);
+        const auto [entry, is_new] = trend_of_cell.try_emplace(cell, 0.0);
+        if (is_new) {
+            const Vec3 middle(0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5));
+            entry->second = mean + share * (kernel_mean(samples, middle, mean) - mean);
+        }
+        result[i] = entry->second;
+    }
+    return result;
+}
+
+void GuidedFill::fill(std::span<const float> confidence,
+                      double fallback,
+                      std::span<double> values) const {
+    PATINA_CHECK_EQ(confidence.size(), values.size());
+    PATINA_CHECK_EQ(values.size(), atlas_.texels.size());
+    if (std::none_of(confidence.begin(), confidence.end(), [](float c) { return c > 0; })) {
+        std::fill(values.begin(), values.end(), fallback);
+        return;
+    }
+    const std::vector<double> expected = trend(confidence, values);
+    std::vector<int> unknown(values.size(), -1);
+    int num_unknown = 0;
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (!(confidence[i] > 0)) unknown[i] = num_unknown++;
+    }
+    if (num_unknown == 0) return;
+    Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(num_unknown, num_unknown);
+    Eigen::VectorXd right = Eigen::VectorXd::Zero(num_unknown);
+    Eigen::VectorXd start(num_unknown);
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(std::size_t(num_unknown) * 7);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        const int row = unknown[i];
+        if (row < 0) continue;
+        start[row] = values[i] - expected[i];
+        double diagonal = 1 / square(kReach);
+        for (std::uint32_t k = atlas_.neighbor_begin[i]; k < atlas_.neighbor_begin[i + 1]; ++k) {
+            const TexelId j = atlas_.neighbors[k];
+            const double link = double(link_[k]);
+            if (unknown[j] >= 0) {
+                entries.emplace_back(row, unknown[j], -link);
+                diagonal += link;
+            } else {
+                const double weight = link * double(confidence[j]);
+                right[row] += weight * (values[j] - expected[j]);
+                diagonal += weight;
+            }
+        }
+        entries.emplace_back(row, row, diagonal);
+    }
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
+                             Eigen::Lower | Eigen::Upper>
+        solver;
+    solver.setTolerance(kSolverTolerance);
+    solver.setMaxIterations(kSolverSteps);
+    solver.compute(matrix);
+    const Eigen::VectorXd solution = solver.solveWithGuess(right, start);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+        if (unknown[i] >= 0) values[i] = expected[i] + solution[unknown[i]];
+    }
+}
+
+}  // namespace patina
