@@ -279,6 +279,13 @@ void validate(const EstimateOptions& options) {
     require(options.photons.photons >= 2 && options.photons.photons <= 1'000'000'000,
             "--photons",
             "2 to 1000000000");
+    // Two halves of equal size, each with its share of defensive rays.
+    require(options.gather.rays >= 4 && options.gather.rays % 4 == 0,
+            "--gather-rays",
+            "a multiple of 4");
+    require(options.gather.lobe_rays >= 8 && options.gather.lobe_rays % 8 == 0,
+            "--lobe-rays",
+            "a multiple of 8");
     require(options.max_iterations >= 1, "--iterations", "1 or more");
     require(options.threshold >= 0, "--threshold", "0 or more");
     require(options.tolerance > 0, "--tolerance", "a number above 0");

@@ -1,4 +1,5 @@
-// The estimate: methods I (direct), II (diffuse) and the paper's (photon), on one iteration.
+// The estimate: methods I (direct), II (diffuse) and the paper's (photon) on one iteration, and ours
+// (gather) on its own.
 //
 // Based on: Machida, Takemura, Yokoya. 2004, sections 2.2 and 3. docs/theory.md says where and why
 // we depart.
@@ -24,7 +25,7 @@ enum class Loop { damped, plain };
 enum class Irradiance { ratio, disc };
 
 struct EstimateOptions {
-    Method method = Method::photon;
+    Method method = Method::gather;
     Loop loop = Loop::damped;
     Irradiance irradiance = Irradiance::ratio;
     PhotonOptions photons;

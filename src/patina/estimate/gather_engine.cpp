@@ -33,7 +33,9 @@ GatherEngine::GatherEngine(const Surface& surface,
     for (const std::vector<TexelView>& views : scene.views) {
         views_.push_back(directions_of(views, seen));
     }
-    graph_ = trace_gather_graph(surface, atlas, views_, options.gather, progress);
+    GatherOptions gather = options.gather;
+    gather.seed = options.photons.seed;
+    graph_ = trace_gather_graph(surface, atlas, views_, gather, progress);
     progress.begin_stage("light at the hits");
     filter_ = build_surface_filter(atlas, options.filter_radius);
 

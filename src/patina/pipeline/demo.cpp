@@ -28,7 +28,7 @@ struct Scale {
     int compare_heldout;    // of the synthetic images of held-out shots
 };
 // The paper's, and a quarter of its width and height.
-constexpr Scale kFullScale = {512, 256, 256, 256, 1024, 2'000'000, 8, 128};
+constexpr Scale kFullScale = {512, 256, 256, 256, 1024, 2'000'000, 8, 256};
 constexpr Scale kQuarterScale = {128, 64, 64, 64, 1024, 125'000, 8, 128};
 // A lamp that makes less than this share of the texels measurable is not worth a photograph: about
 // a dozen and a half of the 60 remain.
@@ -36,7 +36,8 @@ constexpr double kMinGain = 0.015;
 
 constexpr std::array<ObjectKind, 3> kObjects = {ObjectKind::a, ObjectKind::b, ObjectKind::c};
 constexpr std::array<const char*, 3> kObjectNames = {"A", "B", "C"};
-constexpr std::array<Method, 3> kMethods = {Method::direct, Method::diffuse, Method::photon};
+constexpr std::array<Method, 4> kMethods = {
+    Method::direct, Method::diffuse, Method::photon, Method::gather};
 
 // Wall time of the stages that `after` has more than `before`.
 std::vector<StageTime> times_since(const std::vector<StageTime>& before,
@@ -203,7 +204,7 @@ ReportData run_demo(const DemoOptions& options, Progress& progress) {
     report.run.title = "The paper's experiments";
     report.run.summary =
         "Simulated objects A, B and C: lamps chosen, captures rendered, maps estimated by the two "
-        "conventional methods and the paper's, and compared with images and truth.";
+        "conventional methods, the paper's and ours, and compared with images and truth.";
     report.run.command = options.full ? "patina demo --full" : "patina demo";
     report.run.version = program_version();
     report.run.seed = options.seed;

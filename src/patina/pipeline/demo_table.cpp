@@ -73,7 +73,8 @@ std::string demo_text(const ReportData& report, const DemoOptions& options) {
     }
     return "Table 1: mean / variance of |real - synthetic| in 8-bit levels, the 99th percentile of "
            "the\nused images at level 230. This is our reading of the paper's table, on objects of "
-           "our own; diffuse\nis its conventional method II, photon its own. Pd error: median "
+           "our own; diffuse\nis its conventional method II, photon its own, gather ours. Pd "
+           "error: median "
            "against the truth.\n\n" +
            table.text() + "\nreport: " + report_path(options) + "\n";
 }
