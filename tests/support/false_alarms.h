@@ -13,20 +13,20 @@
 namespace patina {
 
 // Mean of independent, equally distributed numbers, and its standard error.
-struct Estimate {
+struct SampleMean {
     double mean = 0;
     double standard_error = 0;
     std::size_t count = 0;
 };
 
-[[nodiscard]] inline Estimate estimate_of(std::span<const double> values) {
+[[nodiscard]] inline SampleMean estimate_of(std::span<const double> values) {
     const Moments all = moments(values);
     return {all.mean, std::sqrt(all.variance / double(all.count - 1)), all.count};
 }
 
 // Whether the mean is `expected`. bias: largest error that theory allows besides the random one
 // (tessellation, truncation, interpolation), same unit.
-[[nodiscard]] inline testing::AssertionResult agrees(const Estimate& estimate,
+[[nodiscard]] inline testing::AssertionResult agrees(const SampleMean& estimate,
                                                      double expected,
                                                      double bias = 0,
                                                      double level = kComparisonLevel) {

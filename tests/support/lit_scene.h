@@ -56,10 +56,10 @@ struct LitScene {
 // standard error is that of the independent randomisations, so what Sobol's order gains within each
 // counts.
 template <typename Sample>
-[[nodiscard]] Estimate randomised_mean(std::size_t num_randomisations,
-                                       std::uint32_t samples_each,
-                                       std::uint64_t seed,
-                                       const Sample& sample) {
+[[nodiscard]] SampleMean randomised_mean(std::size_t num_randomisations,
+                                         std::uint32_t samples_each,
+                                         std::uint64_t seed,
+                                         const Sample& sample) {
     std::vector<double> means(num_randomisations, 0.0);
     parallel_for(
         num_randomisations,

@@ -6,7 +6,9 @@
 // f_s E is the lobe's image of the lamp, evaluated exactly; what the lobe sends on of indirect
 // light is spread evenly (Ps A, A the lobe's directional albedo averaged over the hemisphere).
 // Sweeps repeated under fixed maps converge to the full solution; docs/theory.md, "The gather
-// graph".
+// graph". Under lamps that turn with the scanner, H_ind(y) is that of y's own azimuth: exact for
+// the first bounce, and for later ones as far as H_ind changes little between columns that see each
+// other.
 #pragma once
 
 #include "patina/transport/gather_light.h"

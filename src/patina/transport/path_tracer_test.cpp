@@ -33,7 +33,7 @@ TEST(PathTracer, OneReflectionBetweenPerpendicularSquaresIsTheirFormFactor) {
     options.max_bounces = 1;
     const Mesh receiver = rectangle(Vec3::Zero(), Vec3::UnitY(), Vec3::UnitZ());
     const AreaSampler points(receiver);
-    const Estimate mean = randomised_mean(512, 256, 1, [&](SobolSampler& sampler) {
+    const SampleMean mean = randomised_mean(512, 256, 1, [&](SobolSampler& sampler) {
         const double choice = sampler.next_pair()[0];
         SurfacePoint point = points.sample(choice, sampler.next_pair());
         return indirect(scene, point, sampler, options);
@@ -123,7 +123,7 @@ TEST_P(WedgeOfAngle, InterreflectsByTheClosedForm) {
     const double total = kIrradiance / (1 - loop);
     const double truncation = wedge.truncation(kAlbedo);
     ASSERT_LT(truncation, 0.01) << "the plates are too short for this test to mean much";
-    const Estimate mean = randomised_mean(
+    const SampleMean mean = randomised_mean(
         256, 256, 2, [&](SobolSampler& sampler) { return indirect(scene, point, sampler); });
     EXPECT_TRUE(agrees(mean, total - kIrradiance, truncation * total));
 }
@@ -147,7 +147,7 @@ TEST_P(SphereLitFromInside, HasAUniformIndirectIrradiance) {
     const double expected = kAlbedo * mean_direct / (1 - kAlbedo);
     for (const std::uint32_t triangle : {100U, 6000U, 12000U}) {
         const SurfacePoint point = surface_point(scene.mesh, triangle, Vec2f(0.25F, 0.25F));
-        const Estimate mean = randomised_mean(128, 128, triangle, [&](SobolSampler& sampler) {
+        const SampleMean mean = randomised_mean(128, 128, triangle, [&](SobolSampler& sampler) {
             return indirect(scene, point, sampler);
         });
         EXPECT_TRUE(agrees(mean, expected, 6 * sagitta * expected)) << "triangle " << triangle;
@@ -164,7 +164,7 @@ TEST(PathTracer, AClosedSceneKeepsItsFlux) {
                          lambertian(kAlbedo),
                          {point_light(Vec3(0.4, 0.7, 1), kIntensity)});
     const AreaSampler points(scene.mesh);
-    const Estimate mean = randomised_mean(256, 256, 4, [&](SobolSampler& sampler) {
+    const SampleMean mean = randomised_mean(256, 256, 4, [&](SobolSampler& sampler) {
         const double choice = sampler.next_pair()[0];
         const SurfacePoint point = points.sample(choice, sampler.next_pair());
         return points.area() * (direct_irradiance(scene.surface(), scene.lights, 0, point)[0] +
@@ -188,7 +188,7 @@ TEST_P(WhiteFurnace, ReflectsTheDirectionalAlbedo) {
     const Vec3 w_o(std::sqrt(1 - square(cosine)), 0, cosine);
     PathTracerOptions options;
     options.sky_radiance = Rgb::Ones();
-    const Estimate mean = randomised_mean(256, 64, 5, [&](SobolSampler& sampler) {
+    const SampleMean mean = randomised_mean(256, 64, 5, [&](SobolSampler& sampler) {
         const OutgoingRadiance radiance = trace_path(
             scene.surface(), scene.field(), scene.lights, 0, point, w_o, options, sampler);
         return radiance.direct[0] + radiance.indirect[0];
@@ -252,9 +252,9 @@ TEST(PathTracer, GlossyAndMatteTransportAreReciprocal) {
                        .indirect[0];
         });
     };
-    const Estimate forth = flux_towards(lit_from_a, b, 7);
-    const Estimate back = flux_towards(lit_from_b, a, 8);
-    const Estimate difference{
+    const SampleMean forth = flux_towards(lit_from_a, b, 7);
+    const SampleMean back = flux_towards(lit_from_b, a, 8);
+    const SampleMean difference{
         forth.mean - back.mean, std::hypot(forth.standard_error, back.standard_error), forth.count};
     EXPECT_TRUE(agrees(difference, 0));
     EXPECT_GT(forth.mean, 20 * difference.standard_error) << "the test would see nothing";
@@ -290,7 +290,7 @@ TEST(PathTracer, CountsReflectionsElsewhere) {
         PathTracerOptions options;
         options.max_bounces = max_bounces;
         options.roulette_from = 2;
-        const Estimate mean = randomised_mean(128, 64, 10, [&](SobolSampler& sampler) {
+        const SampleMean mean = randomised_mean(128, 64, 10, [&](SobolSampler& sampler) {
             const double choice = sampler.next_pair()[0];
             const SurfacePoint point = points.sample(choice, sampler.next_pair());
             return points.area() * indirect(scene, point, sampler, options);

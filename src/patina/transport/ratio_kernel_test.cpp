@@ -303,7 +303,7 @@ TEST(IndirectLobe, KeepsItsLightWhereOnlyEveryNthArrivalIsTaken) {
     }
     // Counting the first arrival always and rounding the number of those taken up adds at most one
     // arrival in 96, of up to twice the mean weight.
-    const Estimate mean = estimate_of(ratios);
+    const SampleMean mean = estimate_of(ratios);
     EXPECT_TRUE(agrees(mean, 1, 2.0 / 96));
     EXPECT_LT(mean.standard_error, 0.02) << "the test would see nothing";
 }

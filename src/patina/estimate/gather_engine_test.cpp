@@ -1,0 +1,143 @@
+#include "patina/estimate/gather_engine.h"
+
+#include <gtest/gtest.h>
+
+#include "support/channel.h"
+#include <cstring>
+#include <numeric>
+
+namespace patina {
+namespace {
+
+// One lamp more than a block holds, and as many that turn with the scanner.
+constexpr std::size_t kNumLamps = 2 * (kLampLanes + 1);
+// Sums of at most kNumLamps numbers in single precision, some of them twice.
+constexpr double kFloatSum = 2 * kNumLamps * 6e-8;
+
+// A glossy channel under many lamps, in shots of one lamp each and of all at once.
+class ManyLamps : public testing::Test {
+  protected:
+    ManyLamps() {
+        for (std::size_t i = 0; i < kNumLamps; ++i) {
+            const double share = double(i) / kNumLamps;
+            Light light = point_light(Vec3(0.6 * share - 0.3, share, 1.6 + 0.2 * share), 1);
+            light.intensity = Rgb(1 + share, 1, 2 - share);
+            if (i % 2 == 1) light.frame = FrameOfReference::scanner;
+            lights_.push_back(light);
+        }
+        for (const Light& light : lights_) {
+            direct_.push_back(direct_light(channel_.scene.surface(), channel_.atlas, light));
+        }
+        for (const TexelId texel : channel_.looked_at()) seen_[texel] = 1;
+    }
+
+    // One shot for each set of lamps.
+    [[nodiscard]] SceneView scene(const std::vector<std::vector<std::size_t>>& sets) const {
+        SceneView scene;
+        TexelView view;
+        view.w_v = Channel::towards_camera().cast<float>();
+        view.state = ViewState::clear;
+        scene.views = {std::vector<TexelView>(channel_.atlas.texels.size(), view)};
+        for (const Light& light : lights_) scene.lights.push_back(&light);
+        scene.direct.resize(kNumLamps);
+        for (std::size_t set = 0; set < sets.size(); ++set) {
+            scene.shots.push_back(set);
+            scene.camera_of_shot.push_back(0);
+            scene.lamp_set_of_shot.push_back(set);
+            LampSet& lamps = scene.lamp_sets.emplace_back();
+            lamps.indices = sets[set];
+            for (const std::size_t light : sets[set]) scene.direct[light] = direct_[light];
+        }
+        return scene;
+    }
+    // After two turns.
+    [[nodiscard]] IndirectLight gather(const SceneView& scene) const {
+        EstimateOptions options;
+        options.gather.rays = 8;
+        options.gather.lobe_rays = 8;
+        Progress progress;
+        GatherEngine engine(
+            channel_.scene.surface(), channel_.atlas, scene, seen_, options, progress);
+        (void)engine.evaluate(channel_.maps, seen_, true);
+        return engine.evaluate(channel_.maps, seen_, true);
+    }
+
+    Channel channel_;
+    std::vector<Light> lights_;
+    std::vector<std::vector<DirectLight>> direct_;
+    std::vector<std::uint8_t> seen_ = std::vector<std::uint8_t>(channel_.atlas.texels.size(), 0);
+};
+
+template <typename Value>
+bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
+    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
+}
+
+TEST_F(ManyLamps, EachSendsWhatItSendsAlone) {
+    std::vector<std::vector<std::size_t>> sets;
+    for (std::size_t i = 0; i < kNumLamps; ++i) sets.push_back({i});
+    const IndirectLight together = gather(scene(sets));
+    ASSERT_EQ(together.irradiance.size(), kNumLamps);
+    // The first and the last of the blocks, of lamps that stand and of lamps that turn.
+    for (const std::size_t i : {std::size_t(0), std::size_t(1), kNumLamps - 2, kNumLamps - 1}) {
+        const IndirectLight alone = gather(scene({{i}}));
+        for (const std::size_t half : {0U, 1U}) {
+            EXPECT_TRUE(
+                same_bytes(together.irradiance[i].halves[half], alone.irradiance[0].halves[half]))
+                << i;
+        }
+        EXPECT_TRUE(same_bytes(together.lobe[i], alone.lobe[0])) << i;
+        const TexelId texel = channel_.looked_at().front();
+        EXPECT_GT(alone.irradiance[0].mean(texel).minCoeff(), 0);
+        EXPECT_GT(alone.lobe[0][texel].same.minCoeff(), 0);
+    }
+}
+
+TEST_F(ManyLamps, SendTogetherTheSumOfWhatTheySend) {
+    std::vector<std::vector<std::size_t>> sets(1, std::vector<std::size_t>(kNumLamps));
+    std::iota(sets[0].begin(), sets[0].end(), std::size_t(0));
+    for (std::size_t i = 0; i < kNumLamps; ++i) sets.push_back({i});
+    const IndirectLight light = gather(scene(sets));
+    const auto expect_sum = [&](const auto& value_of_set) {
+        Rgb sum = Rgb::Zero();
+        for (std::size_t set = 1; set < sets.size(); ++set) sum += value_of_set(set);
+        for (Eigen::Index c = 0; c < 3; ++c) {
+            EXPECT_NEAR(value_of_set(0)[c], sum[c], kFloatSum * sum[c]);
+        }
+    };
+    for (const TexelId texel : channel_.looked_at()) {
+        expect_sum([&](std::size_t set) { return light.irradiance[set].mean(texel); });
+        expect_sum(
+            [&](std::size_t set) { return Rgb(light.lobe[set][texel].same.cast<double>()); });
+    }
+}
+
+TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
+    EstimateOptions options;
+    options.gather.rays = 8;
+    options.gather.lobe_rays = 8;
+    Progress progress;
+    const SceneView view = scene({{0}, {2}});
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    const std::vector<Reflectance> maps(channel_.atlas.texels.size(), lambertian(0.5));
+    // One sweep knows nothing of it, two know one change.
+    EXPECT_EQ(engine.evaluate(maps, seen_, false).spectral_radius, 0);
+    EXPECT_EQ(engine.evaluate(maps, seen_, false).spectral_radius, 0);
+    // What a surface keeps of a change is no more than what it reflects, and grows with that.
+    std::array<double, 2> radius{};
+    for (const std::size_t k : {0U, 1U}) {
+        const double albedo = k == 0 ? 0.4 : 0.8;
+        const std::vector<Reflectance> grey(maps.size(), lambertian(albedo));
+        GatherEngine fresh(
+            channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+        for (int turn = 0; turn < 4; ++turn) {
+            radius[k] = fresh.evaluate(grey, seen_, false).spectral_radius;
+        }
+        EXPECT_LE(radius[k], albedo);
+    }
+    EXPECT_GT(radius[0], 0);
+    EXPECT_GT(radius[1], radius[0]);
+}
+
+}  // namespace
+}  // namespace patina
