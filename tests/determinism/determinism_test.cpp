@@ -78,7 +78,7 @@ TEST_P(DeterminismOfMethods, EstimateLeavesTheSameBytesForAllThreads) {
 
 INSTANTIATE_TEST_SUITE_P(All,
                          DeterminismOfMethods,
-                         testing::Values("direct", "diffuse", "photon"),
+                         testing::Values("direct", "diffuse", "photon", "gather"),
                          [](const auto& values) { return std::string(values.param); });
 
 TEST(Determinism, RenderLeavesTheSameBytesForAllThreads) {

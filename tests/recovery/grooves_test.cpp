@@ -41,6 +41,7 @@ SimulatedCapture simulate_channel() {
 
 EstimateOptions loop_options(Loop loop) {
     EstimateOptions options;
+    options.method = Method::photon;
     options.loop = loop;
     options.photons.photons = 100'000;
     options.max_iterations = 40;
@@ -50,6 +51,12 @@ EstimateOptions loop_options(Loop loop) {
 
 double mean(const std::vector<double>& errors) {
     return std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
+}
+
+// Beside the groove's edge and its openings, texels and kernels are as wide as what they resolve.
+bool is_beside_an_edge(std::size_t row) {
+    const std::size_t on_wall = row % 8;
+    return on_wall == 0 || on_wall == 7;
 }
 
 void expect_still_moving(const Estimate& plain, const Estimate& damped) {
@@ -69,9 +76,7 @@ TEST(GrooveOf45Degrees, DampedLoopFindsTheTruthAndThePlainOneDoesNot) {
     EXPECT_TRUE(damped.converged);
     const std::vector<double> errors = capture.row_errors(damped, 0);
     for (std::size_t row = 0; row < errors.size(); ++row) {
-        // Beside the edge and the openings, texels and kernels are as wide as what they resolve.
-        const std::size_t on_wall = row % 8;
-        if (on_wall == 0 || on_wall == 7) continue;
+        if (is_beside_an_edge(row)) continue;
         EXPECT_NEAR(errors[row], 0, kTolerance) << "row " << row;
     }
     expect_still_moving(capture.estimate(loop_options(Loop::plain)), damped);
@@ -84,6 +89,31 @@ TEST(Channel, DampedLoopFindsTheTruthAndThePlainOneDoesNot) {
     EXPECT_TRUE(damped.converged);
     EXPECT_NEAR(mean(capture.row_errors(damped, 0)), 0, kTolerance);
     expect_still_moving(capture.estimate(loop_options(Loop::plain)), damped);
+}
+
+// One sweep for each fit, undamped.
+EstimateOptions gather_options() {
+    EstimateOptions options;
+    options.method = Method::gather;
+    return options;
+}
+
+TEST(GrooveOf45Degrees, GatheringConvergesToTheTruth) {
+    const SimulatedCapture capture = simulate_groove();
+    const Estimate gathered = capture.estimate(gather_options());
+    EXPECT_TRUE(gathered.converged);
+    const std::vector<double> errors = capture.row_errors(gathered, 0);
+    for (std::size_t row = 0; row < errors.size(); ++row) {
+        if (is_beside_an_edge(row)) continue;
+        EXPECT_NEAR(errors[row], 0, kTolerance) << "row " << row;
+    }
+}
+
+TEST(Channel, GatheringConvergesToTheTruth) {
+    const SimulatedCapture capture = simulate_channel();
+    const Estimate gathered = capture.estimate(gather_options());
+    EXPECT_TRUE(gathered.converged);
+    EXPECT_NEAR(mean(capture.row_errors(gathered, 0)), 0, kTolerance);
 }
 
 }  // namespace

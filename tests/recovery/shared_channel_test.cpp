@@ -56,5 +56,22 @@ TEST(SharedChannel, PhotonsFindTheTruthThatDirectLightAloneMisses) {
     EXPECT_LT(photon.iterations.back().change, 0.005);
 }
 
+// The same within the bars that method gather is held to, at its own defaults.
+TEST(SharedChannel, GatheringFindsTheTruthCloser) {
+    const auto folder = shared_data("captures/channel");
+    if (!folder) GTEST_SKIP() << "needs captures/channel of the shared data (PATINA_SHARED)";
+    const Capture capture = load_capture(*folder);
+    EstimateOptions options;
+    options.method = Method::gather;
+    Progress progress;
+    const Estimate gathered = estimate_reflectance(capture, options, progress);
+    EXPECT_TRUE(gathered.converged);
+    const Comparison::Truth truth = compare(capture, options, gathered);
+    EXPECT_NEAR(truth.diffuse->mean_relative_error, 0, 0.005);
+    EXPECT_LE(truth.diffuse->median_absolute_relative_error, 0.015);
+    EXPECT_LE(truth.specular->median_absolute_relative_error, 0.06);
+    EXPECT_LE(truth.roughness->median_absolute_relative_error, 0.06);
+}
+
 }  // namespace
 }  // namespace patina
