@@ -21,7 +21,7 @@ struct DemoOptions {
 };
 [[nodiscard]] OptionTable demo_option_table(DemoOptions& options);
 
-// For each object: rig, plan, simulated capture, estimates by the three methods, comparison with
+// For each object: rig, plan, simulated capture, estimates by the four methods, comparison with
 // the images and the truth; all left in the output folder, with report.html. Throws Error,
 // WorkFailed, Interrupted.
 [[nodiscard]] ReportData run_demo(const DemoOptions& options, Progress& progress);
