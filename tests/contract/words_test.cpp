@@ -70,7 +70,7 @@ INSTANTIATE_TEST_SUITE_P(
         WrongWords{"OddTexels", "simulate A -o FOLDER/c --texels 9", "--texels: "},
         WrongWords{"UnknownLamp", "simulate A -o FOLDER/c --lights 60 --quiet", "--lights: "},
         WrongWords{"MissingCapture", "info FOLDER/none", "patina: FOLDER/none: does not exist"},
-        WrongWords{"TooLongCapture", "info " + std::string(300, 'a'), "a: is refused: "},
+        WrongWords{"TooLongCapture", "info " + std::string(300, 'a'), ": is refused: "},
         WrongWords{"OutputIsAFile",
                    "simulate A -o FOLDER/file",
                    "patina: FOLDER/file: exists and is not a folder"},

@@ -1,5 +1,5 @@
-// The estimate: methods I (direct), II (diffuse) and the paper's (photon) on one iteration, and ours
-// (gather) on its own.
+// The estimate: methods I (direct), II (diffuse) and the paper's (photon) on one iteration, and
+// ours (gather) on its own.
 //
 // Based on: Machida, Takemura, Yokoya. 2004, sections 2.2 and 3. docs/theory.md says where and why
 // we depart.
