@@ -69,6 +69,7 @@ class GatherIteration {
         double previous_error = 0;
         int turn = 0;
         for (; turn < options_.max_iterations && !result_.converged; ++turn) {
+            light_ = {};  // not beside the new one: it is among the largest things in memory
             light_ = engine.evaluate(result_.maps, observations_.seen, true);
             const IterationLog log = take_turn("gather", light_, true, turn >= kFreezeAfter);
             const double error_change =
