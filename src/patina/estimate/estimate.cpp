@@ -222,9 +222,7 @@ class Iteration {
 
     // Moves the maps towards the fits; returns the relative change.
     double update_maps(double damping, double lobe_damping) {
-        result_.num_clamped = 0;
-        double moved = 0;
-        double size = 0;
+        MapChange change;
         for (std::size_t i = 0; i < num_texels_; ++i) {
             Reflectance& map = result_.maps[i];
             const Reflectance& fit = fits_[i].reflectance;
@@ -232,16 +230,10 @@ class Iteration {
             next.diffuse = map.diffuse + damping * (fit.diffuse - map.diffuse);
             next.specular = map.specular + lobe_damping * (fit.specular - map.specular);
             next.roughness = map.roughness + lobe_damping * (fit.roughness - map.roughness);
-            const Projection projection = project_to_feasible(next);
-            if (projection.was_clamped) ++result_.num_clamped;
-            next = projection.reflectance;
-            moved += (next.diffuse - map.diffuse).square().sum() +
-                     square(next.specular * square(next.roughness) -
-                            map.specular * square(map.roughness));
-            size += next.diffuse.square().sum();
-            map = next;
+            change.move(map, next);
         }
-        return size > 0 ? std::sqrt(moved / size) : 0;
+        result_.num_clamped = change.num_clamped;
+        return change.relative();
     }
 
     [[nodiscard]] std::string last_turn() const {

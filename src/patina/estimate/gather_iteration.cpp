@@ -300,21 +300,12 @@ class GatherIteration {
 
     // The maps become the fits; returns the relative change of their albedo.
     double update_maps() {
-        result_.num_clamped = 0;
-        double moved = 0;
-        double size = 0;
+        MapChange change;
         for (std::size_t i = 0; i < num_texels_; ++i) {
-            Reflectance& map = result_.maps[i];
-            const Projection projection = project_to_feasible(fits_[i].reflectance);
-            if (projection.was_clamped) ++result_.num_clamped;
-            const Reflectance& next = projection.reflectance;
-            moved += (next.diffuse - map.diffuse).square().sum() +
-                     square(next.specular * square(next.roughness) -
-                            map.specular * square(map.roughness));
-            size += next.diffuse.square().sum();
-            map = next;
+            change.move(result_.maps[i], fits_[i].reflectance);
         }
-        return size > 0 ? std::sqrt(moved / size) : 0;
+        result_.num_clamped = change.num_clamped;
+        return change.relative();
     }
 
     const TexelAtlas& atlas_;

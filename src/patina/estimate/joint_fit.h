@@ -25,8 +25,8 @@ class JointFit {
     [[nodiscard]] Rgb diffuse_with(double specular, double roughness) const;
     // Ps for a sigma that is given; Pd free.
     [[nodiscard]] double specular_at(double roughness) const;
-    // Mean over channels of weight x residual^2 for every row [-], without the robust factors of
-    // the weights: 1 is what the stated noise makes of a perfect model.
+    // Mean over channels of weight x residual^2 for every row [-], at the weights that were loaded:
+    // 1 is what the stated noise makes of a perfect model if no robust factor lowers them.
     void misfits(const Reflectance& reflectance, std::vector<double>& result) const;
     // Sum over rows and channels of residual^2 [radiance^2].
     [[nodiscard]] double squared_error(const Reflectance& reflectance) const;

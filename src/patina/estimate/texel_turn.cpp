@@ -92,6 +92,16 @@ TexelFit fit_texel(std::span<const FitRow> rows,
     return fit;
 }
 
+void MapChange::move(Reflectance& map, const Reflectance& next) {
+    const Projection projection = project_to_feasible(next);
+    if (projection.was_clamped) ++num_clamped;
+    const Reflectance& held = projection.reflectance;
+    moved += (held.diffuse - map.diffuse).square().sum() +
+             square(held.specular * square(held.roughness) - map.specular * square(map.roughness));
+    size += held.diffuse.square().sum();
+    map = held;
+}
+
 void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
     constexpr double kLargestFactor = 2.0;
     const auto specular_albedo = [&fits](std::size_t i) {

@@ -37,6 +37,18 @@ void judge_lobe(std::span<const FitRow> rows,
                                  bool settled,
                                  const FitOptions& options);
 
+// How far the maps of all texels move in a turn.
+struct MapChange {
+    double moved = 0;  // sum of squared changes of Pd and of Ps sigma^2
+    double size = 0;   // sum of Pd^2
+    std::size_t num_clamped = 0;
+
+    // Makes `next`, held in the feasible set, the map.
+    void move(Reflectance& map, const Reflectance& next);
+    // Root mean square change of the maps' albedo [-].
+    [[nodiscard]] double relative() const { return size > 0 ? std::sqrt(moved / size) : 0; }
+};
+
 // Takes back the measurements that their neighbours do not confirm: a lobe counts as measured only
 // if half of the observed texels around it have one of a specular albedo within a factor of two (or
 // are matte as it is). A stray fit would otherwise be spread along its whole row and column by the
