@@ -9,6 +9,7 @@ namespace patina {
 namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
+constexpr double kFoldWidth = 0.12;   // of the seam between the halves [cm]
 
 constexpr double kTailHeight = 0.75;  // of its middle line [cm]
 constexpr double kTailRadius = 1.2;   // at its root [cm]
@@ -19,9 +20,7 @@ const Vec3 kNoseRadii(0.5, 0.35, 0.35);
 const Vec3 kEye(1.3, 14.95, 3.05);
 const Vec3 kEyeRadii(0.8, 0.75, 0.65);
 
-Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
-
-// All shapes below are in centimetres; q is p with x made positive, so one half stands for both.
+// All shapes below are in centimetres; q is p folded to positive x, so one half stands for both.
 double body(const Vec3& p, const Vec3& q) {
     double d = rounded_cone_distance(p, {0, 3.7, -0.9}, {0, 10.4, 0.7}, 4.4, 2.25);
     const double chest = ellipsoid_distance(p, {0, 8.3, 1.7}, {2.75, 3.0, 2.3});
@@ -90,7 +89,7 @@ double head(const Vec3& p, const Vec3& q) {
 }
 
 double cat_distance(const Vec3& p) {
-    const Vec3 q = mirrored(p);
+    const Vec3 q = fold_at_x0(p, kFoldWidth);
     double d = smooth_union(body(p, q), legs(q), 0.5);
     d = smooth_union(d, tail(p), 0.6);
     d = smooth_union(d, head(p, q), 0.5);
@@ -117,7 +116,7 @@ double white_parts(const Vec3& p, const Vec3& q) {
 
 // p: in centimetres; crease: depth of the crease there, 0 to 1.
 Finish cat_finish(const Vec3& p, double crease) {
-    const Vec3 q = mirrored(p);
+    const Vec3 q = fold_at_x0(p, kFoldWidth);
     const Finish ginger{Rgb(0.60, 0.34, 0.16), 0.022, 0.19};
     const Finish stripe{Rgb(0.30, 0.15, 0.11), 0.030, 0.14};
     const Finish white{Rgb(0.78, 0.74, 0.66), 0.014, 0.23};

@@ -67,6 +67,8 @@ double smooth_union(double a, double b, double width) {
 
 double smooth_difference(double a, double b, double width) { return -smooth_union(-a, b, width); }
 
+Vec3 fold_at_x0(const Vec3& p, double width) { return {std::hypot(p.x(), width), p.y(), p.z()}; }
+
 Vec3 distance_gradient(const SignedDistance& distance, const Vec3& p, double step) {
     Vec3 gradient;
     for (int axis = 0; axis < 3; ++axis) {

@@ -31,8 +31,10 @@ constexpr double kCoarsestCell = 0.0012;
 constexpr double kTypicalRadius = 0.05;
 // Rays towards the axis start this far from it [m], outside of every figurine.
 constexpr double kOutside = 0.5;
-// The range image begins and ends this far from the ends of the mesh [m].
-constexpr double kScanMargin = 0.0005;
+// The range image begins this far above the base, whose rounded edge turns away below it, and ends
+// this far below the top [m].
+constexpr double kBaseMargin = 0.0015;
+constexpr double kTopMargin = 0.0005;
 
 Finish plate_finish() { return {Rgb(0.74, 0.5, 0.34), 0.03, 0.2}; }
 
@@ -97,8 +99,8 @@ SimulatedObject from_figurine(
     Tracer tracer(mesh);
     const Bounds bounds = bounds_of(mesh);
     RangeFrame frame;
-    frame.height_begin = bounds.low.y() + kScanMargin;
-    frame.height_end = bounds.high.y() - kScanMargin;
+    frame.height_begin = bounds.low.y() + kBaseMargin;
+    frame.height_end = bounds.high.y() - kTopMargin;
     const double spacing = std::max(2 * kPi * kTypicalRadius / columns,
                                     (frame.height_end - frame.height_begin) / rows);
     frame.max_step = std::max(kLargestStep, kStepOverSpacing * spacing);

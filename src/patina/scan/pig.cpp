@@ -9,6 +9,7 @@ namespace patina {
 namespace {
 
 constexpr double kCentimeter = 0.01;  // [m]
+constexpr double kFoldWidth = 0.12;   // of the seam between the halves [cm]
 
 constexpr double kTailFront = -8.0;  // where the tail begins [cm]
 
@@ -16,9 +17,7 @@ constexpr double kTailFront = -8.0;  // where the tail begins [cm]
 const Vec3 kEye(1.68, 9.95, 4.95);
 const Vec3 kEyeRadii(0.7, 0.7, 0.65);
 
-Vec3 mirrored(const Vec3& p) { return {std::abs(p.x()), p.y(), p.z()}; }
-
-// All shapes below are in centimetres; q is p with x made positive, so one half stands for both.
+// All shapes below are in centimetres; q is p folded to positive x, so one half stands for both.
 // The axis of the scanner goes through the neck, which both head and body contain: so the neck's
 // crease is seen.
 double trunk(const Vec3& p) {
@@ -84,7 +83,7 @@ double tail(const Vec3& p) {
 }
 
 double pig_distance(const Vec3& p) {
-    const Vec3 q = mirrored(p);
+    const Vec3 q = fold_at_x0(p, kFoldWidth);
     double d = smooth_union(trunk(p), legs(q), 0.5);
     d = smooth_union(d, head(p, q), 0.45);
     d = smooth_union(d, tail(p), 0.6);
@@ -99,7 +98,7 @@ double patches(const Vec3& p) {
 
 // p: in centimetres; crease: depth of the crease there, 0 to 1.
 Finish pig_finish(const Vec3& p, double crease) {
-    const Vec3 q = mirrored(p);
+    const Vec3 q = fold_at_x0(p, kFoldWidth);
     const Finish pink{Rgb(0.70, 0.44, 0.40), 0.026, 0.17};
     const Finish brown{Rgb(0.31, 0.20, 0.14), 0.036, 0.12};
     const Finish rosy{Rgb(0.74, 0.34, 0.33), 0.038, 0.13};
