@@ -101,7 +101,7 @@ class Iteration {
     }
 
     [[nodiscard]] Estimate finish() {
-        finish_estimate(rows_, observations_, indirect_, fits_, {}, result_);
+        finish_estimate(capture_, scene_, observations_, indirect_, fits_, {}, result_);
         return std::move(result_);
     }
 

@@ -1,65 +1,273 @@
 #include "patina/estimate/finish.h"
 
 #include "patina/base/parallel.h"
+#include "patina/estimate/calibration_errors.h"
+#include "patina/estimate/error_propagation.h"
+#include "patina/math/statistics.h"
 
 #include <limits>
+#include <vector>
 
 namespace patina {
 namespace {
 
-void finish_texel(const std::vector<FitRow>& rows,
-                  const TexelFit& fit,
-                  std::size_t texel,
-                  Estimate& estimate) {
-    Reflectance& error = estimate.errors[texel];
-    constexpr double kInfinity = std::numeric_limits<double>::infinity();
-    error.diffuse = Rgb::Constant(kInfinity);
-    error.specular = kInfinity;
-    error.roughness = kInfinity;
-    if (rows.empty()) return;
-    const FitErrors errors = fit_errors(rows, estimate.maps[texel]);
-    const double scale = std::max(estimate.noise_scale, std::sqrt(errors.misfit));
-    if (fit.roughness_measured) {
-        error.diffuse = scale * errors.diffuse;
-        error.specular = scale * errors.specular;
-        error.roughness = scale * errors.roughness;
-    } else {
-        error.diffuse = scale * errors.diffuse_lobe_known;
-        if (fit.specular_measured) error.specular = scale * errors.specular_sigma_known;
-    }
-    estimate.status[texel] =
-        fit.specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
-    double direct = 0;
-    double whole = 0;
-    for (const FitRow& row : rows) {
-        for (const LampTerm& lamp : row.lamps) direct += double(lamp.irradiance.mean());
-        whole += row.irradiance.mean();
-    }
-    if (direct > 0) estimate.indirect_over_direct[texel] = float(whole / direct - 1);
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+// What the engines' indirect light may be off by beyond its noise, relative: the lobe's even
+// spreading of indirect light, the texels' finite size, the smoothing (docs/uncertainty.md).
+constexpr double kIndirectError = 0.02;
+// The residuals' moments are taken over so many rings of neighbours, and count against those of the
+// whole surface as so many degrees of freedom.
+constexpr int kRings = 2;
+constexpr double kPriorFreedom = 10.0;
+// Second moment of a pixel and of the bilinear interpolation between pixels, in squared pixels.
+constexpr double kPixelMoment = 1.0 / 12;
+constexpr double kBilinearMoment = 1.0 / 6;
+
+KnownLobe known_lobe(const TexelFit& fit) {
+    if (fit.roughness_measured) return KnownLobe::all;
+    return fit.specular_measured ? KnownLobe::specular : KnownLobe::none;
 }
+
+Parameters parameters_of(const Reflectance& r) {
+    return {r.diffuse[0], r.diffuse[1], r.diffuse[2], r.specular, r.roughness};
+}
+
+// The parts of a texel's variance before they are put together.
+struct ErrorBudget {
+    Parameters own = Parameters::Zero();        // per variance of residuals that channels share not
+    Parameters shared = Parameters::Zero();     // and of those that they share
+    Parameters stated = Parameters::Zero();     // stated errors, and the indirect light's bias
+    Parameters transport = Parameters::Zero();  // the indirect light's noise
+    Parameters blur = Parameters::Zero();       // pixels wider than a point
+    ResidualMoments moments;
+};
+
+// Sums over each element and its neighbours, `rings` times over.
+template <typename Value>
+void sum_over_rings(const TexelAtlas& atlas, int rings, std::vector<Value>& values) {
+    for (int ring = 0; ring < rings; ++ring) {
+        const std::vector<Value> before = values;
+        parallel_for(values.size(), [&](std::size_t i) {
+            for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
+                values[i] += before[atlas.neighbors[k]];
+            }
+        });
+    }
+}
+
+class Finisher {
+  public:
+    Finisher(const Capture& capture,
+             const SceneView& scene,
+             const Observations& observations,
+             const IndirectLight& light,
+             std::span<const TexelFit> fits,
+             std::span<const float> robust,
+             Estimate& estimate)
+        : atlas_(capture.atlas),
+          scene_(scene),
+          observations_(observations),
+          rows_(scene, observations),
+          calibration_(capture, scene, observations),
+          light_(light),
+          fits_(fits),
+          robust_(robust),
+          estimate_(estimate),
+          budgets_(fits.size()) {
+        for (std::size_t view = 0; view < scene.views.size(); ++view) {
+            const Camera& camera = capture.description.cameras[capture.description
+                                                                   .shots[shot_of_view(view)]
+                                                                   .camera];
+            const double pixel = pixel_over_texel(atlas_, camera, scene.views[view]);
+            const bool registered = camera.model == CameraModel::registered;
+            blur_.push_back(square(pixel) *
+                            (kPixelMoment + (registered ? 0.0 : kBilinearMoment)));
+        }
+    }
+
+    void run() {
+        const std::size_t num_texels = fits_.size();
+        estimate_.errors.resize(num_texels);
+        estimate_.status.assign(num_texels, TexelStatus::filled);
+        estimate_.indirect_over_direct.assign(num_texels, 0.0f);
+        parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) look_at(i, rows);
+        });
+        smooth_transport();
+        find_blur();
+        find_scales();
+        parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
+    }
+
+  private:
+    [[nodiscard]] std::size_t shot_of_view(std::size_t view) const {
+        for (std::size_t k = 0; k < scene_.shots.size(); ++k) {
+            if (scene_.camera_of_shot[k] == view) return scene_.shots[k];
+        }
+        return scene_.shots.front();
+    }
+
+    void look_at(std::size_t i, std::vector<FitRow>& rows) {
+        rows_.make(i, light_, estimate_.maps[i], rows);
+        if (rows.empty()) return;
+        for (std::size_t k = 0; k < rows.size() && !robust_.empty(); ++k) {
+            rows[k].weight *= double(robust_[observations_.begin[i] + k]);
+        }
+        estimate_.status[i] = fits_[i].specular_measured ? TexelStatus::measured
+                                                         : TexelStatus::diffuse_measured;
+        const Reflectance& fitted = estimate_.maps[i];
+        const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
+        ErrorBudget& budget = budgets_[i];
+        budget.own = propagation.own_variance();
+        budget.shared = propagation.shared_variance();
+        budget.moments = propagation.moments();
+        calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change) {
+            budget.stated += propagation.response(change).cwiseAbs2();
+        });
+        add_indirect(i, rows, propagation);
+    }
+
+    void add_indirect(std::size_t i,
+                      const std::vector<FitRow>& rows,
+                      const ErrorPropagation& propagation) {
+        const Reflectance& fitted = estimate_.maps[i];
+        double direct = 0;
+        double whole = 0;
+        std::vector<Rgb> bias(rows.size());
+        std::vector<Rgb> difference(rows.size(), Rgb::Zero());
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            const FitRow& row = rows[k];
+            Rgb from_lamps = Rgb::Zero();
+            for (const LampTerm& lamp : row.lamps) from_lamps += lamp.irradiance.cast<double>();
+            direct += from_lamps.mean();
+            whole += row.irradiance.mean();
+            const Rgb from_lobe =
+                lobe_basis(row, fitted.roughness) - direct_lobe_basis(row, fitted.roughness);
+            bias[k] = kIndirectError *
+                      (fitted.diffuse * (row.irradiance - from_lamps) + fitted.specular * from_lobe) /
+                      kPi;
+            if (light_.irradiance.empty()) continue;
+            const Observation& look = observations_.of(i)[k];
+            const auto& halves =
+                light_.irradiance[scene_.lamp_set_of_shot[look.shot]].halves;
+            difference[k] =
+                fitted.diffuse * (halves[0][i] - halves[1][i]).cast<double>() / (2 * kPi);
+        }
+        if (direct > 0) estimate_.indirect_over_direct[i] = float(whole / direct - 1);
+        ErrorBudget& budget = budgets_[i];
+        budget.stated += propagation.response(bias).cwiseAbs2();
+        budget.transport = propagation.response(difference).cwiseAbs2();
+    }
+
+    // One difference of two halves is one draw: its square becomes a variance in the mean over the
+    // neighbours.
+    void smooth_transport() {
+        struct Sum {
+            Parameters value = Parameters::Zero();
+            double count = 0;
+            Sum& operator+=(const Sum& other) {
+                value += other.value;
+                count += other.count;
+                return *this;
+            }
+        };
+        std::vector<Sum> sums(budgets_.size());
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            if (fits_[i].observed) sums[i] = {budgets_[i].transport, 1.0};
+        }
+        sum_over_rings(atlas_, kRings, sums);
+        for (std::size_t i = 0; i < sums.size(); ++i) {
+            if (sums[i].count > 0) budgets_[i].transport = sums[i].value / sums[i].count;
+        }
+    }
+
+    // A footprint of second moment m shows the maps off by m/2 times their Laplacian.
+    void find_blur() {
+        const double moment = *std::max_element(blur_.begin(), blur_.end());
+        parallel_for(budgets_.size(), [&](std::size_t i) {
+            const std::uint32_t begin = atlas_.neighbor_begin[i];
+            const std::uint32_t end = atlas_.neighbor_begin[i + 1];
+            if (end - begin < 4 || !fits_[i].observed) return;
+            Parameters sum = Parameters::Zero();
+            double count = 0;
+            for (std::uint32_t k = begin; k < end; ++k) {
+                if (!fits_[atlas_.neighbors[k]].observed) continue;
+                sum += parameters_of(estimate_.maps[atlas_.neighbors[k]]);
+                count += 1;
+            }
+            if (count == 0) return;
+            const Parameters laplacian = 4 * (sum / count - parameters_of(estimate_.maps[i]));
+            // Noise of the maps has a Laplacian too: 16 (1 + 1/count) of its variance.
+            const Parameters noise = 16 * (1 + 1 / count) * budgets_[i].own;
+            budgets_[i].blur = square(0.5 * moment) * (laplacian.cwiseAbs2() - noise).cwiseMax(0.0);
+        });
+    }
+
+    void find_scales() {
+        std::vector<double> own;
+        std::vector<double> shared;
+        moments_.resize(budgets_.size());
+        for (std::size_t i = 0; i < budgets_.size(); ++i) {
+            moments_[i] = budgets_[i].moments;
+            if (moments_[i].freedom <= 0) moments_[i] = {};
+        }
+        sum_over_rings(atlas_, kRings, moments_);
+        for (const ResidualMoments& moments : moments_) {
+            if (moments.freedom <= 0) continue;
+            own.push_back(moments.own_variance());
+            shared.push_back(moments.shared_variance());
+        }
+        prior_.freedom = kPriorFreedom;
+        prior_.own = kPriorFreedom;
+        if (own.empty()) return;
+        const double typical_shared = median(std::move(shared));
+        prior_.own = kPriorFreedom * (median(std::move(own)) + typical_shared);
+        prior_.shared = 2 * kPriorFreedom * typical_shared;
+    }
+
+    void put_together(std::size_t i) {
+        Reflectance& error = estimate_.errors[i];
+        error.diffuse = Rgb::Constant(kInfinity);
+        error.specular = kInfinity;
+        error.roughness = kInfinity;
+        if (!fits_[i].observed) return;
+        const ErrorBudget& budget = budgets_[i];
+        ResidualMoments moments = moments_[i];
+        moments += prior_;
+        const Parameters variance = moments.own_variance() * budget.own +
+                                    moments.shared_variance() * budget.shared + budget.stated +
+                                    budget.transport + budget.blur;
+        error.diffuse = variance.head<3>().array().sqrt();
+        if (fits_[i].specular_measured) error.specular = std::sqrt(variance[3]);
+        if (fits_[i].roughness_measured) error.roughness = std::sqrt(variance[4]);
+    }
+
+    const TexelAtlas& atlas_;
+    const SceneView& scene_;
+    const Observations& observations_;
+    FitRowMaker rows_;
+    CalibrationErrors calibration_;
+    const IndirectLight& light_;
+    std::span<const TexelFit> fits_;
+    std::span<const float> robust_;
+    Estimate& estimate_;
+    std::vector<double> blur_;  // second moment of a camera's footprints [texel^2]
+    std::vector<ErrorBudget> budgets_;
+    std::vector<ResidualMoments> moments_;
+    ResidualMoments prior_;
+};
 
 }  // namespace
 
-void finish_estimate(const FitRowMaker& maker,
+void finish_estimate(const Capture& capture,
+                     const SceneView& scene,
                      const Observations& observations,
                      const IndirectLight& light,
                      std::span<const TexelFit> fits,
                      std::span<const float> robust,
                      Estimate& estimate) {
-    const std::size_t num_texels = estimate.maps.size();
-    estimate.errors.resize(num_texels);
-    estimate.status.assign(num_texels, TexelStatus::filled);
-    estimate.indirect_over_direct.assign(num_texels, 0.0f);
-    parallel_blocks(num_texels, 256, [&](std::size_t begin, std::size_t end) {
-        std::vector<FitRow> rows;
-        for (std::size_t i = begin; i < end; ++i) {
-            maker.make(i, light, estimate.maps[i], rows);
-            for (std::size_t k = 0; k < rows.size() && !robust.empty(); ++k) {
-                rows[k].weight *= double(robust[observations.begin[i] + k]);
-            }
-            finish_texel(rows, fits[i], i, estimate);
-        }
-    });
+    Finisher(capture, scene, observations, light, fits, robust, estimate).run();
 }
 
 }  // namespace patina

@@ -41,7 +41,9 @@ class GatherIteration {
                     const SceneView& scene,
                     const Observations& observations,
                     const EstimateOptions& options)
-        : atlas_(capture.atlas),
+        : capture_(capture),
+          atlas_(capture.atlas),
+          scene_(scene),
           observations_(observations),
           rows_(scene, observations),
           options_(options),
@@ -93,7 +95,7 @@ class GatherIteration {
     }
 
     [[nodiscard]] Estimate finish() {
-        finish_estimate(rows_, observations_, light_, fits_, robust_, result_);
+        finish_estimate(capture_, scene_, observations_, light_, fits_, robust_, result_);
         return std::move(result_);
     }
 
@@ -308,7 +310,9 @@ class GatherIteration {
         return change.relative();
     }
 
+    const Capture& capture_;
     const TexelAtlas& atlas_;
+    const SceneView& scene_;
     const Observations& observations_;
     FitRowMaker rows_;
     const EstimateOptions& options_;

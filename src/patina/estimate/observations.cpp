@@ -3,7 +3,6 @@
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
 #include "patina/math/statistics.h"
-#include "patina/observe/shot_samples.h"
 
 #include <fmt/format.h>
 
@@ -164,9 +163,13 @@ Observations collect_observations(const Capture& capture,
     const std::size_t num_shots = scene.shots.size();
     progress.begin_stage("reading images", num_shots, "images");
     std::vector<std::vector<TexelSample>> samples(num_shots);
+    const bool need_gradients = capture.description.geometry.registration_stddev > 0;
+    std::vector<std::vector<SampleGradient>> gradients(need_gradients ? num_shots : 0);
     for (std::size_t shot = 0; shot < num_shots; ++shot) {
-        samples[shot] = sample_shot(load_radiance(capture.description, scene.shots[shot]),
-                                    scene.views[scene.camera_of_shot[shot]]);
+        const RadianceImage image = load_radiance(capture.description, scene.shots[shot]);
+        const std::vector<TexelView>& views = scene.views[scene.camera_of_shot[shot]];
+        samples[shot] = sample_shot(image, views);
+        if (need_gradients) gradients[shot] = sample_gradients(image, views);
         progress.advance(1);
     }
     const ObservationBuilder builder(capture, scene, options);
@@ -185,6 +188,7 @@ Observations collect_observations(const Capture& capture,
         for (std::size_t shot = 0; shot < num_shots; ++shot) {
             if (best == LookQuality::none || qualities[shot] != best) continue;
             builder.append(shot, texel, samples[shot][texel], result.rows, result.terms);
+            if (need_gradients) result.gradients.push_back(gradients[shot][texel]);
         }
         result.begin[texel + 1] = static_cast<std::uint32_t>(result.rows.size());
     }

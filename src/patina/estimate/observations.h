@@ -4,6 +4,7 @@
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
 #include "patina/observe/camera_view.h"
+#include "patina/observe/shot_samples.h"
 #include "patina/transport/direct.h"
 #include "patina/transport/photon_paths.h"
 
@@ -43,6 +44,8 @@ struct Observations {
     std::vector<std::uint32_t> begin;  // texels + 1 offsets into rows
     std::vector<Observation> rows;
     std::vector<LampTerm> terms;
+    // Per row; empty unless the capture states an error of registration.
+    std::vector<SampleGradient> gradients;
     // Texels that some camera sees within the angle limits under an unshadowed lamp.
     std::vector<std::uint8_t> seen;
 

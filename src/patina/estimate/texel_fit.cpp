@@ -148,18 +148,6 @@ class JointSums {
     Rgb ho_ = Rgb::Zero(), bo_ = Rgb::Zero(), oo_ = Rgb::Zero();
 };
 
-// Derivative of direct_lobe_basis() with respect to sigma.
-Rgb lobe_basis_by_roughness(const FitRow& row, double roughness) {
-    Rgb sum = Rgb::Zero();
-    for (const LampTerm& lamp : row.lamps) {
-        const double theta_squared = double(lamp.theta_r_squared);
-        sum += lamp.irradiance.cast<double>() *
-               (double(lamp.lobe_cosines) * lobe_gaussian(theta_squared, roughness) *
-                theta_squared / (roughness * roughness * roughness));
-    }
-    return sum;
-}
-
 // Sums of the Fisher information of (Pd, Ps, sigma), one channel of Pd at a time.
 struct ChannelInformation {
     double hh = 0, hb = 0, hd = 0, bb = 0, bd = 0, dd = 0;
@@ -172,6 +160,17 @@ Rgb direct_lobe_basis(const FitRow& row, double roughness) {
     for (const LampTerm& lamp : row.lamps) {
         sum += lamp.irradiance.cast<double>() *
                (double(lamp.lobe_cosines) * lobe_gaussian(double(lamp.theta_r_squared), roughness));
+    }
+    return sum;
+}
+
+Rgb direct_lobe_basis_by_roughness(const FitRow& row, double roughness) {
+    Rgb sum = Rgb::Zero();
+    for (const LampTerm& lamp : row.lamps) {
+        const double theta_squared = double(lamp.theta_r_squared);
+        sum += lamp.irradiance.cast<double>() *
+               (double(lamp.lobe_cosines) * lobe_gaussian(theta_squared, roughness) *
+                theta_squared / (roughness * roughness * roughness));
     }
     return sum;
 }
@@ -285,7 +284,7 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
         const Rgb h = row.irradiance / kPi;
         const Rgb b = direct_lobe_basis(row, reflectance.roughness) / kPi;
         const Rgb d =
-            reflectance.specular * lobe_basis_by_roughness(row, reflectance.roughness) / kPi;
+            reflectance.specular * direct_lobe_basis_by_roughness(row, reflectance.roughness) / kPi;
         squared += (row.weight * (row.radiance - predict(row, reflectance)).square()).sum();
         for (std::size_t c = 0; c < 3; ++c) {
             const auto i = static_cast<Eigen::Index>(c);

@@ -44,4 +44,20 @@ std::vector<TexelSample> sample_shot(const RadianceImage& image,
     return samples;
 }
 
+std::vector<SampleGradient> sample_gradients(const RadianceImage& image,
+                                             const std::vector<TexelView>& views) {
+    std::vector<SampleGradient> gradients(views.size(), {Rgbf::Zero(), Rgbf::Zero()});
+    parallel_for(views.size(), [&](std::size_t i) {
+        if (views[i].state == ViewState::hidden) return;
+        const std::array<Vec2f, 2> half_steps = {Vec2f(0.5f, 0), Vec2f(0, 0.5f)};
+        for (std::size_t axis = 0; axis < 2; ++axis) {
+            const TexelSample before = sample_pixel(image, views[i].pixel - half_steps[axis]);
+            const TexelSample after = sample_pixel(image, views[i].pixel + half_steps[axis]);
+            if (!before.usable || !after.usable) continue;
+            gradients[i][axis] = after.radiance - before.radiance;
+        }
+    });
+    return gradients;
+}
+
 }  // namespace patina

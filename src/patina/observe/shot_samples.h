@@ -4,6 +4,7 @@
 #include "patina/capture/capture.h"
 #include "patina/observe/camera_view.h"
 
+#include <array>
 #include <vector>
 
 namespace patina {
@@ -15,8 +16,15 @@ struct TexelSample {
     bool usable = false;  // seen, and no pixel of the footprint masked, saturated or not a number
 };
 
+// Change of a sample's radiance per pixel along x and along y of the image [radiance / pixel].
+using SampleGradient = std::array<Rgbf, 2>;
+
 // views: of the shot's camera. Bilinear between pixel centres. One entry per texel.
 [[nodiscard]] std::vector<TexelSample> sample_shot(const RadianceImage& image,
                                                    const std::vector<TexelView>& views);
+
+// Over a pixel about each sample; zero where a pixel that it needs is not usable.
+[[nodiscard]] std::vector<SampleGradient> sample_gradients(const RadianceImage& image,
+                                                           const std::vector<TexelView>& views);
 
 }  // namespace patina

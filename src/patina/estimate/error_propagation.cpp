@@ -1,0 +1,95 @@
+#include "patina/estimate/error_propagation.h"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+
+namespace patina {
+namespace {
+
+constexpr int kSpecular = 3;
+constexpr int kRoughness = 4;
+// Information below this share of the largest counts as none.
+constexpr double kNoInformation = 1e-12;
+
+int num_free(KnownLobe known) {
+    switch (known) {
+        case KnownLobe::all: return 5;
+        case KnownLobe::specular: return 4;
+        case KnownLobe::none: return 3;
+    }
+    return 3;
+}
+
+}  // namespace
+
+ResidualMoments& ResidualMoments::operator+=(const ResidualMoments& other) {
+    own += other.own;
+    shared += other.shared;
+    freedom += other.freedom;
+    return *this;
+}
+
+double ResidualMoments::shared_variance() const {
+    // Six ordered pairs of channels for three squares.
+    return freedom > 0 ? std::clamp(0.5 * shared, 0.0, own) / freedom : 0;
+}
+
+double ResidualMoments::own_variance() const {
+    return freedom > 0 ? own / freedom - shared_variance() : 0;
+}
+
+ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
+                                   const Reflectance& fitted,
+                                   KnownLobe known)
+    : rows_(rows), jacobians_(rows.size()) {
+    const int free = num_free(known);
+    Eigen::Matrix<double, kNumParameters, kNumParameters> information;
+    information.setZero();
+    decltype(information) shared = information;
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+        const FitRow& row = rows[j];
+        const Rgb h = row.irradiance / kPi;
+        const Rgb b = lobe_basis(row, fitted.roughness) / kPi;
+        const Rgb d = fitted.specular * direct_lobe_basis_by_roughness(row, fitted.roughness) / kPi;
+        const Rgb residual = row.radiance - predict(row, fitted);
+        Jacobian& jacobian = jacobians_[j];
+        jacobian.setZero();
+        Parameters sum = Parameters::Zero();
+        Rgb z;
+        for (int c = 0; c < 3; ++c) {
+            jacobian(c, c) = h[c];
+            if (free > kSpecular) jacobian(kSpecular, c) = b[c];
+            if (free > kRoughness) jacobian(kRoughness, c) = d[c];
+            const Parameters column = jacobian.col(c);
+            information += row.weight[c] * column * column.transpose();
+            const double root = std::sqrt(row.weight[c]);
+            sum += root * column;
+            z[c] = root * residual[c];
+        }
+        shared += sum * sum.transpose();
+        moments_.own += z.square().sum();
+        moments_.shared += square(z.sum()) - z.square().sum();
+    }
+    // A channel's Pd is its own; the lobe's parameters are shared by the three channels.
+    moments_.freedom =
+        std::max(0.0, 3.0 * (double(rows.size()) - 1.0 - double(free - kSpecular) / 3.0));
+    const double largest = information.diagonal().maxCoeff();
+    for (int k = 0; k < kNumParameters; ++k) {
+        // Not free, or not told: the large information makes the response to it vanish.
+        if (information(k, k) <= kNoInformation * largest) information(k, k) = 1e30;
+    }
+    inverse_ = information.ldlt().solve(decltype(information)::Identity());
+    own_variance_ = inverse_.diagonal().cwiseMax(0.0);
+    shared_variance_ = (inverse_ * shared * inverse_).diagonal().cwiseMax(0.0);
+}
+
+Parameters ErrorPropagation::response(std::span<const Rgb> radiance_change) const {
+    Parameters pull = Parameters::Zero();
+    for (std::size_t j = 0; j < rows_.size(); ++j) {
+        pull += jacobians_[j] * (rows_[j].weight * radiance_change[j]).matrix();
+    }
+    return inverse_ * pull;
+}
+
+}  // namespace patina
