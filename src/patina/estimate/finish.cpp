@@ -3,6 +3,7 @@
 #include "patina/base/parallel.h"
 #include "patina/estimate/calibration_errors.h"
 #include "patina/estimate/error_propagation.h"
+#include "patina/estimate/lobe_spread.h"
 #include "patina/math/statistics.h"
 
 #include <limits>
@@ -19,9 +20,6 @@ constexpr double kIndirectError = 0.02;
 // whole surface as so many degrees of freedom.
 constexpr int kRings = 2;
 constexpr double kPriorFreedom = 10.0;
-// Second moment of a pixel and of the bilinear interpolation between pixels, in squared pixels.
-constexpr double kPixelMoment = 1.0 / 12;
-constexpr double kBilinearMoment = 1.0 / 6;
 
 KnownLobe known_lobe(const TexelFit& fit) {
     if (fit.roughness_measured) return KnownLobe::all;
@@ -73,17 +71,8 @@ class Finisher {
           fits_(fits),
           robust_(robust),
           estimate_(estimate),
-          budgets_(fits.size()) {
-        for (std::size_t view = 0; view < scene.views.size(); ++view) {
-            const Camera& camera = capture.description.cameras[capture.description
-                                                                   .shots[shot_of_view(view)]
-                                                                   .camera];
-            const double pixel = pixel_over_texel(atlas_, camera, scene.views[view]);
-            const bool registered = camera.model == CameraModel::registered;
-            blur_.push_back(square(pixel) *
-                            (kPixelMoment + (registered ? 0.0 : kBilinearMoment)));
-        }
-    }
+          budgets_(fits.size()),
+          footprints_(footprint_moments(capture, scene)) {}
 
     void run() {
         const std::size_t num_texels = fits_.size();
@@ -101,13 +90,6 @@ class Finisher {
     }
 
   private:
-    [[nodiscard]] std::size_t shot_of_view(std::size_t view) const {
-        for (std::size_t k = 0; k < scene_.shots.size(); ++k) {
-            if (scene_.camera_of_shot[k] == view) return scene_.shots[k];
-        }
-        return scene_.shots.front();
-    }
-
     void look_at(std::size_t i, std::vector<FitRow>& rows) {
         rows_.make(i, light_, estimate_.maps[i], rows);
         if (rows.empty()) return;
@@ -184,7 +166,7 @@ class Finisher {
 
     // A footprint of second moment m shows the maps off by m/2 times their Laplacian.
     void find_blur() {
-        const double moment = *std::max_element(blur_.begin(), blur_.end());
+        const double moment = *std::max_element(footprints_.begin(), footprints_.end());
         parallel_for(budgets_.size(), [&](std::size_t i) {
             const std::uint32_t begin = atlas_.neighbor_begin[i];
             const std::uint32_t end = atlas_.neighbor_begin[i + 1];
@@ -252,8 +234,8 @@ class Finisher {
     std::span<const TexelFit> fits_;
     std::span<const float> robust_;
     Estimate& estimate_;
-    std::vector<double> blur_;  // second moment of a camera's footprints [texel^2]
     std::vector<ErrorBudget> budgets_;
+    std::vector<double> footprints_;  // see footprint_moments()
     std::vector<ResidualMoments> moments_;
     ResidualMoments prior_;
 };

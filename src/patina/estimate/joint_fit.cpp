@@ -81,6 +81,8 @@ void JointFit::load(std::span<const FitRow> rows) {
     const std::size_t padded_terms =
         one_lamp_each_ ? num_lanes_ : (num_terms + kVector - 1) / kVector * kVector;
     theta_squared_.assign(padded_terms, 0.0f);
+    spread_along_.assign(padded_terms, 0.0f);
+    spread_across_.assign(padded_terms, 0.0f);
     gaussian_.assign(padded_terms, 0.0f);
     row_of_term_.clear();
     for (std::size_t c = 0; c < 3; ++c) {
@@ -97,6 +99,8 @@ void JointFit::load(std::span<const FitRow> rows) {
         const FitRow& row = rows[r];
         for (const LampTerm& lamp : row.lamps) {
             theta_squared_[term] = lamp.theta_r_squared;
+            spread_along_[term] = lamp.spread_along;
+            spread_across_[term] = lamp.spread_across;
             for (std::size_t c = 0; c < 3; ++c) {
                 amplitude_[c][term] =
                     lamp.irradiance[Eigen::Index(c)] * lamp.lobe_cosines * float(1 / kPi);
@@ -126,12 +130,15 @@ void JointFit::load(std::span<const FitRow> rows) {
 }
 
 void JointFit::basis_at(double roughness) const {
-    const auto precision = float(-0.5 / square(roughness));
+    const auto variance = float(square(roughness));
+    // See spread_gaussian().
     for (std::size_t t = 0; t < theta_squared_.size(); ++t) {
-        gaussian_[t] = exp_of_negative(precision * theta_squared_[t]);
+        const float along = variance + spread_along_[t];
+        const float across = variance + spread_across_[t];
+        gaussian_[t] = exp_of_negative(-0.5f * theta_squared_[t] / along) * variance /
+                       std::sqrt(along * across);
     }
     const auto octave = float(std::clamp(std::log2(roughness / indirect_roughness_), -1.0, 1.0));
-    const auto variance = float(square(roughness));
     for (std::size_t c = 0; c < 3; ++c) {
         Lanes& basis = basis_[c];
         if (one_lamp_each_) {

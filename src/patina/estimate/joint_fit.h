@@ -50,7 +50,7 @@ class JointFit {
     bool has_indirect_ = false;
     double indirect_roughness_ = 1;
     // Per lamp term.
-    Lanes theta_squared_;
+    Lanes theta_squared_, spread_along_, spread_across_;
     std::array<Lanes, 3> amplitude_;  // irradiance x lobe_cosines() / pi
     std::vector<std::uint32_t> row_of_term_;
     // Per row.

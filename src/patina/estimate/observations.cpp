@@ -2,6 +2,7 @@
 
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
+#include "patina/estimate/lobe_spread.h"
 #include "patina/math/statistics.h"
 
 #include <fmt/format.h>
@@ -202,6 +203,7 @@ Observations collect_observations(const Capture& capture,
                                      ? 0.0
                                      : default_variance(samples, options.default_read_stddev);
     add_noise_model(options, read_variance, result);
+    spread_over_footprints(capture, scene, result);
     progress.end_stage(
         fmt::format("{} shots, {:.1f} looks per seen texel",
                     num_shots,

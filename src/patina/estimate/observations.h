@@ -26,6 +26,10 @@ struct LampTerm {
     Rgbf irradiance = Rgbf::Zero();  // cosine included [radiance x sr]
     float theta_r_squared = 0;       // [rad^2]
     float lobe_cosines = 0;          // lobe_cosines() [-]
+    // Variance of the view's chord to the mirror direction over the look's footprint, along that
+    // chord and across it [rad^2]: what widens the highlight.
+    float spread_along = 0;
+    float spread_across = 0;
 };
 
 // One look: one shot, one texel.

@@ -155,11 +155,19 @@ struct ChannelInformation {
 
 }  // namespace
 
+double spread_gaussian(const LampTerm& lamp, double roughness) {
+    const double variance = square(roughness);
+    const double along = variance + double(lamp.spread_along);
+    const double across = variance + double(lamp.spread_across);
+    return std::exp(-0.5 * double(lamp.theta_r_squared) / along) * variance /
+           std::sqrt(along * across);
+}
+
 Rgb direct_lobe_basis(const FitRow& row, double roughness) {
     Rgb sum = Rgb::Zero();
     for (const LampTerm& lamp : row.lamps) {
         sum += lamp.irradiance.cast<double>() *
-               (double(lamp.lobe_cosines) * lobe_gaussian(double(lamp.theta_r_squared), roughness));
+               (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness));
     }
     return sum;
 }
@@ -167,10 +175,12 @@ Rgb direct_lobe_basis(const FitRow& row, double roughness) {
 Rgb direct_lobe_basis_by_roughness(const FitRow& row, double roughness) {
     Rgb sum = Rgb::Zero();
     for (const LampTerm& lamp : row.lamps) {
-        const double theta_squared = double(lamp.theta_r_squared);
+        const double along = square(roughness) + double(lamp.spread_along);
+        const double across = square(roughness) + double(lamp.spread_across);
+        const double log_slope = double(lamp.theta_r_squared) * roughness / square(along) +
+                                 2 / roughness - roughness / along - roughness / across;
         sum += lamp.irradiance.cast<double>() *
-               (double(lamp.lobe_cosines) * lobe_gaussian(theta_squared, roughness) *
-                theta_squared / (roughness * roughness * roughness));
+               (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness) * log_slope);
     }
     return sum;
 }

@@ -40,6 +40,10 @@ struct FitRow {
 // holds for the present roughness and is taken as it is.
 [[nodiscard]] Rgb lobe_basis(const FitRow& row, double roughness);
 
+// Mean of the lobe's Gaussian over a look's footprint [-]: a Gaussian of the mirror direction's
+// spread carried through it, to second order.
+[[nodiscard]] double spread_gaussian(const LampTerm& lamp, double roughness);
+
 // By direct light alone, and its derivative with respect to sigma [radiance x sr; by rad].
 [[nodiscard]] Rgb direct_lobe_basis(const FitRow& row, double roughness);
 [[nodiscard]] Rgb direct_lobe_basis_by_roughness(const FitRow& row, double roughness);
