@@ -3,9 +3,12 @@
 #include "patina/base/parallel.h"
 #include "patina/estimate/calibration_errors.h"
 #include "patina/estimate/error_propagation.h"
+#include "patina/estimate/footprint_blur.h"
 #include "patina/estimate/lobe_spread.h"
+#include "patina/estimate/ring_sums.h"
 #include "patina/math/statistics.h"
 
+#include <algorithm>
 #include <limits>
 #include <vector>
 
@@ -40,19 +43,6 @@ struct ErrorBudget {
     ResidualMoments moments;
 };
 
-// Sums over each element and its neighbours, `rings` times over.
-template <typename Value>
-void sum_over_rings(const TexelAtlas& atlas, int rings, std::vector<Value>& values) {
-    for (int ring = 0; ring < rings; ++ring) {
-        const std::vector<Value> before = values;
-        parallel_for(values.size(), [&](std::size_t i) {
-            for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
-                values[i] += before[atlas.neighbors[k]];
-            }
-        });
-    }
-}
-
 class Finisher {
   public:
     Finisher(const Capture& capture,
@@ -84,8 +74,8 @@ class Finisher {
             for (std::size_t i = begin; i < end; ++i) look_at(i, rows);
         });
         smooth_transport();
-        find_blur();
         find_scales();
+        find_blur();
         parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
     }
 
@@ -164,26 +154,28 @@ class Finisher {
         }
     }
 
-    // A footprint of second moment m shows the maps off by m/2 times their Laplacian.
     void find_blur() {
+        const std::size_t num_texels = budgets_.size();
+        std::vector<Parameters> maps(num_texels);
+        std::vector<Parameters> noise(num_texels);
+        std::vector<std::uint8_t> observed(num_texels);
+        for (std::size_t i = 0; i < num_texels; ++i) {
+            maps[i] = parameters_of(estimate_.maps[i]);
+            noise[i] = random_variance(i);
+            observed[i] = fits_[i].observed;
+        }
         const double moment = *std::max_element(footprints_.begin(), footprints_.end());
-        parallel_for(budgets_.size(), [&](std::size_t i) {
-            const std::uint32_t begin = atlas_.neighbor_begin[i];
-            const std::uint32_t end = atlas_.neighbor_begin[i + 1];
-            if (end - begin < 4 || !fits_[i].observed) return;
-            Parameters sum = Parameters::Zero();
-            double count = 0;
-            for (std::uint32_t k = begin; k < end; ++k) {
-                if (!fits_[atlas_.neighbors[k]].observed) continue;
-                sum += parameters_of(estimate_.maps[atlas_.neighbors[k]]);
-                count += 1;
-            }
-            if (count == 0) return;
-            const Parameters laplacian = 4 * (sum / count - parameters_of(estimate_.maps[i]));
-            // Noise of the maps has a Laplacian too: 16 (1 + 1/count) of its variance.
-            const Parameters noise = 16 * (1 + 1 / count) * budgets_[i].own;
-            budgets_[i].blur = square(0.5 * moment) * (laplacian.cwiseAbs2() - noise).cwiseMax(0.0);
-        });
+        const std::vector<Parameters> blur =
+            footprint_blur(atlas_, maps, noise, observed, moment);
+        for (std::size_t i = 0; i < num_texels; ++i) budgets_[i].blur = blur[i];
+    }
+
+    // What differs from texel to texel at random.
+    [[nodiscard]] Parameters random_variance(std::size_t i) const {
+        ResidualMoments moments = moments_[i];
+        moments += prior_;
+        return moments.own_variance() * budgets_[i].own +
+               moments.shared_variance() * budgets_[i].shared + budgets_[i].transport;
     }
 
     void find_scales() {
@@ -215,11 +207,7 @@ class Finisher {
         error.roughness = kInfinity;
         if (!fits_[i].observed) return;
         const ErrorBudget& budget = budgets_[i];
-        ResidualMoments moments = moments_[i];
-        moments += prior_;
-        const Parameters variance = moments.own_variance() * budget.own +
-                                    moments.shared_variance() * budget.shared + budget.stated +
-                                    budget.transport + budget.blur;
+        const Parameters variance = random_variance(i) + budget.stated + budget.blur;
         error.diffuse = variance.head<3>().array().sqrt();
         if (fits_[i].specular_measured) error.specular = std::sqrt(variance[3]);
         if (fits_[i].roughness_measured) error.roughness = std::sqrt(variance[4]);

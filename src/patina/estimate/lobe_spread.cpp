@@ -2,7 +2,6 @@
 
 #include "patina/base/parallel.h"
 
-#include <array>
 #include <optional>
 
 namespace patina {
@@ -13,28 +12,6 @@ constexpr double kBilinearMoment = 1.0 / 6;
 // Neighbours whose normals lie further apart than this belong to another face: no pixel mixes them
 // without being left out [-].
 constexpr double kSameFace = 0.7;
-
-// The neighbours to the left, right, above and below in the texel domain, where they are the same
-// face of the surface.
-using Cross = std::array<std::optional<TexelId>, 4>;
-
-Cross cross_of(const TexelAtlas& atlas, std::size_t i) {
-    const Texel& texel = atlas.texels[i];
-    const std::array<std::array<int, 2>, 4> steps = {{{-1, 0}, {1, 0}, {0, -1}, {0, 1}}};
-    Cross cross;
-    for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
-        const Texel& other = atlas.texels[atlas.neighbors[k]];
-        if (other.point.normal.dot(texel.point.normal) < kSameFace) continue;
-        int across = other.column - texel.column;
-        if (atlas.wraps_around && std::abs(across) == atlas.width - 1) across = across > 0 ? -1 : 1;
-        for (std::size_t s = 0; s < steps.size(); ++s) {
-            if (steps[s] == std::array<int, 2>{across, other.row - texel.row}) {
-                cross[s] = atlas.neighbors[k];
-            }
-        }
-    }
-    return cross;
-}
 
 // How far the view lies from the mirror direction, as a chord [-].
 Vec3 chord(const Vec3& normal, const Vec3& w_i, const Vec3& w_v) {
@@ -47,18 +24,22 @@ class Footprints {
         : capture_(capture), scene_(scene), moments_(footprint_moments(capture, scene)) {}
 
     void spread(std::size_t texel, const Observation& look, std::span<LampTerm> terms) const {
-        const Cross cross = cross_of(capture_.atlas, texel);
+        const GridNeighbors near = grid_neighbors(capture_.atlas, texel);
         const std::size_t view = scene_.camera_of_shot[look.shot];
         const Camera& camera =
             capture_.description.cameras[capture_.description.shots[scene_.shots[look.shot]].camera];
         std::size_t term = 0;
         for (const std::size_t light : scene_.lamp_sets[scene_.lamp_set_of_shot[look.shot]].indices) {
             if (scene_.direct[light][texel].irradiance.maxCoeff() <= 0) continue;
-            spread_term(texel, cross, camera, light, moments_[view], terms[term++]);
+            spread_term(texel, near, camera, light, moments_[view], terms[term++]);
         }
     }
 
   private:
+    [[nodiscard]] bool same_face(TexelId a, std::size_t b) const {
+        const std::vector<Texel>& texels = capture_.atlas.texels;
+        return texels[a].point.normal.dot(texels[b].point.normal) > kSameFace;
+    }
     // The chord at a texel's point while scanner and lamp stand as for `azimuth`.
     [[nodiscard]] Vec3 chord_at(TexelId texel,
                                 const Camera& camera,
@@ -72,7 +53,7 @@ class Footprints {
     }
 
     void spread_term(std::size_t texel,
-                     const Cross& cross,
+                     const GridNeighbors& near,
                      const Camera& camera,
                      std::size_t light,
                      double moment,
@@ -86,8 +67,8 @@ class Footprints {
             // The smaller of both differences: the larger one may reach over an edge.
             std::optional<Vec3> step;
             for (const std::size_t side : {axis, axis + 1}) {
-                if (!cross[side]) continue;
-                const Vec3 difference = chord_at(*cross[side], camera, light, azimuth) - center;
+                if (near[side] == kNoTexel || !same_face(near[side], texel)) continue;
+                const Vec3 difference = chord_at(near[side], camera, light, azimuth) - center;
                 if (!step || difference.squaredNorm() < step->squaredNorm()) step = difference;
             }
             if (!step) continue;
