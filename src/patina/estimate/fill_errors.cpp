@@ -109,26 +109,34 @@ class Variogram {
     std::vector<LobeSpread> variances_;
 };
 
-// Steps over the surface to the nearest measured texel; 0: none can be reached.
-std::vector<int> distances(const TexelAtlas& atlas, std::span<const std::uint8_t> measured) {
-    std::vector<int> distance(measured.size(), 0);
+// The nearest measured texel over the surface.
+struct Source {
+    TexelId texel = kNoTexel;
+    int distance = 0;  // in steps from texel to texel
+};
+
+std::vector<Source> nearest_measured(const TexelAtlas& atlas,
+                                     std::span<const std::uint8_t> measured) {
+    std::vector<Source> sources(measured.size());
     std::vector<TexelId> ring;
     for (std::size_t i = 0; i < measured.size(); ++i) {
-        if (measured[i] != 0) ring.push_back(TexelId(i));
+        if (measured[i] == 0) continue;
+        sources[i] = {TexelId(i), 0};
+        ring.push_back(TexelId(i));
     }
-    for (int step = 1; !ring.empty(); ++step) {
+    while (!ring.empty()) {
         std::vector<TexelId> next;
         for (const TexelId i : ring) {
             for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
-                const TexelId other = atlas.neighbors[k];
-                if (measured[other] != 0 || distance[other] != 0) continue;
-                distance[other] = step;
-                next.push_back(other);
+                Source& other = sources[atlas.neighbors[k]];
+                if (other.texel != kNoTexel) continue;
+                other = {sources[i].texel, sources[i].distance + 1};
+                next.push_back(atlas.neighbors[k]);
             }
         }
         ring = std::move(next);
     }
-    return distance;
+    return sources;
 }
 
 }  // namespace
@@ -138,12 +146,19 @@ std::vector<LobeSpread> fill_errors(const TexelAtlas& atlas,
                                     std::span<const Reflectance> errors,
                                     std::span<const std::uint8_t> measured) {
     const Variogram variogram(atlas, maps, errors, measured);
-    const std::vector<int> distance = distances(atlas, measured);
+    const std::vector<Source> sources = nearest_measured(atlas, measured);
     std::vector<LobeSpread> result(maps.size(), {0, 0});
     for (std::size_t i = 0; i < result.size(); ++i) {
         if (measured[i] != 0) continue;
-        // Out of reach: as far as can be.
-        result[i] = variogram.at(distance[i] > 0 ? distance[i] : atlas.width + atlas.height);
+        const Source& source = sources[i];
+        if (source.texel == kNoTexel) {
+            result[i] = {kInfinity, kInfinity};
+            continue;
+        }
+        const LobeSpread there = variogram.at(source.distance);
+        const LobeSpread own = own_variance(maps[source.texel], errors[source.texel]);
+        result[i] = {std::sqrt(square(there.specular_albedo) + own.specular_albedo),
+                     std::sqrt(square(there.roughness) + own.roughness)};
     }
     return result;
 }

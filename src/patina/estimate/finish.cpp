@@ -3,6 +3,7 @@
 #include "patina/base/parallel.h"
 #include "patina/estimate/calibration_errors.h"
 #include "patina/estimate/error_propagation.h"
+#include "patina/estimate/fill_errors.h"
 #include "patina/estimate/footprint_blur.h"
 #include "patina/estimate/lobe_spread.h"
 #include "patina/estimate/ring_sums.h"
@@ -40,6 +41,9 @@ struct ErrorBudget {
     Parameters stated = Parameters::Zero();     // stated errors, and the indirect light's bias
     Parameters transport = Parameters::Zero();  // the indirect light's noise
     Parameters blur = Parameters::Zero();       // pixels wider than a point
+    // Of a filled lobe: change of Pd per change of ln(Ps sigma^2) and of ln sigma.
+    Parameters by_albedo = Parameters::Zero();
+    Parameters by_roughness = Parameters::Zero();
     ResidualMoments moments;
 };
 
@@ -77,6 +81,7 @@ class Finisher {
         find_scales();
         find_blur();
         parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
+        add_fill_errors();
     }
 
   private:
@@ -98,6 +103,24 @@ class Finisher {
             budget.stated += propagation.response(change).cwiseAbs2();
         });
         add_indirect(i, rows, propagation);
+        if (known_lobe(fits_[i]) == KnownLobe::none) add_filled_lobe(i, rows, propagation);
+    }
+
+    // What the fit of Pd takes off for the lobe, if that is brighter or wider than it was filled.
+    void add_filled_lobe(std::size_t i,
+                         const std::vector<FitRow>& rows,
+                         const ErrorPropagation& propagation) {
+        const Reflectance& map = estimate_.maps[i];
+        std::vector<Rgb> brighter(rows.size());
+        std::vector<Rgb> wider(rows.size());
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            brighter[k] = -map.specular / kPi * lobe_basis(rows[k], map.roughness);
+            wider[k] = -map.specular / kPi * map.roughness *
+                           direct_lobe_basis_by_roughness(rows[k], map.roughness) -
+                       2 * brighter[k];
+        }
+        budgets_[i].by_albedo = propagation.response(brighter);
+        budgets_[i].by_roughness = propagation.response(wider);
     }
 
     void add_indirect(std::size_t i,
@@ -211,6 +234,33 @@ class Finisher {
         error.diffuse = variance.head<3>().array().sqrt();
         if (fits_[i].specular_measured) error.specular = std::sqrt(variance[3]);
         if (fits_[i].roughness_measured) error.roughness = std::sqrt(variance[4]);
+    }
+
+    // Of lobes that others filled, and of the Pd that was fitted with them.
+    void add_fill_errors() {
+        const std::size_t num_texels = fits_.size();
+        std::vector<std::uint8_t> measured(num_texels);
+        for (std::size_t i = 0; i < num_texels; ++i) {
+            measured[i] = fits_[i].observed && fits_[i].roughness_measured;
+        }
+        const std::vector<LobeSpread> spread =
+            fill_errors(atlas_, estimate_.maps, estimate_.errors, measured);
+        parallel_for(num_texels, [&](std::size_t i) {
+            if (!fits_[i].observed || fits_[i].specular_measured) return;
+            const ErrorBudget& budget = budgets_[i];
+            const Reflectance& map = estimate_.maps[i];
+            Reflectance& error = estimate_.errors[i];
+            // Where no lobe was measured at all, any may be there.
+            const double albedo = std::min(spread[i].specular_albedo, 1.0);
+            const double roughness = std::min(spread[i].roughness, 1.0);
+            const Parameters lobe = square(albedo) * budget.by_albedo.cwiseAbs2() +
+                                    square(roughness) * budget.by_roughness.cwiseAbs2();
+            error.diffuse = (error.diffuse.square() + lobe.head<3>().array()).sqrt();
+            error.specular =
+                map.specular * std::hypot(spread[i].specular_albedo, 2 * spread[i].roughness);
+            if (std::isnan(error.specular)) error.specular = kInfinity;
+            error.roughness = map.roughness * spread[i].roughness;
+        });
     }
 
     const TexelAtlas& atlas_;
