@@ -36,6 +36,14 @@ class SyntheticTexel {
 
     [[nodiscard]] std::span<FitRow> rows() { return rows_; }
 
+    // Lets every look show a patch over which the mirror direction varies so much [rad^2].
+    void spread(float along, float across) {
+        for (LampTerm& lamp : lamps_) {
+            lamp.spread_along = along;
+            lamp.spread_across = across;
+        }
+    }
+
     void classify(const FitOptions& options) {
         for (FitRow& row : rows_) row.pixel_class = classify_by_angle(row, options);
     }

@@ -51,6 +51,15 @@ TEST(JointFit, IsThePlainFitUnderNoise) {
     }
 }
 
+TEST(JointFit, WidensTheLobeByTheFootprintAsThePlainPredictionDoes) {
+    SyntheticTexel texel(10, 0.5);
+    texel.spread(0.004f, 0.001f);
+    texel.show(kTruth);
+    JointFit fit;
+    fit.load(texel.rows());
+    expect_same(fit.solve({}, 0), kTruth, kSearch);
+}
+
 TEST(JointFit, SeesIndirectLightThroughTheLobeAsThePlainPredictionDoes) {
     SyntheticTexel texel(9, 0.7);
     for (FitRow& row : texel.rows()) {
