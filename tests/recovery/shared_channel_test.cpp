@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/interval_coverage.h"
 #include "support/shared_data.h"
 #include <algorithm>
 
@@ -71,6 +72,17 @@ TEST(SharedChannel, GatheringFindsTheTruthCloser) {
     EXPECT_LE(truth.diffuse->median_absolute_relative_error, 0.015);
     EXPECT_LE(truth.specular->median_absolute_relative_error, 0.06);
     EXPECT_LE(truth.roughness->median_absolute_relative_error, 0.06);
+    const IntervalCoverage coverage =
+        interval_coverage(capture, load_truth(capture.description), gathered);
+    // 62 to 74 % and 91 to 98 %, and chance: neighbours' errors are alike, so 65 000 numbers count
+    // as a tenth of them at the most, and three standard deviations of the share are 2 %.
+    constexpr double kChance = 0.02;
+    for (const IntervalShares& shares : coverage.each()) {
+        EXPECT_GE(shares.share68, 0.62 - kChance) << shares.name;
+        EXPECT_LE(shares.share68, 0.74 + kChance) << shares.name;
+        EXPECT_GE(shares.share95, 0.91 - kChance) << shares.name;
+        EXPECT_LE(shares.share95, 0.98 + kChance) << shares.name;
+    }
 }
 
 }  // namespace

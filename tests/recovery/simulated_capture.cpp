@@ -1,5 +1,9 @@
 #include "simulated_capture.h"
 
+#include "patina/base/random.h"
+#include "patina/image/image.h"
+
+#include <algorithm>
 #include <utility>
 
 namespace patina {
@@ -17,6 +21,24 @@ SimulatedCapture::SimulatedCapture(ObjectKind kind,
 Estimate SimulatedCapture::estimate(const EstimateOptions& options) const {
     Progress progress;
     return estimate_reflectance(capture_, options, progress);
+}
+
+void SimulatedCapture::spoil(double share) {
+    for (const Shot& shot : capture_.description.shots) {
+        if (shot.heldout) continue;
+        const auto file = folder_.path() / shot.image;
+        Image image = read_image(file, shot.image).image;
+        const float brightest = *std::max_element(image.data.begin(), image.data.end());
+        for (std::size_t pixel = 0; 3 * pixel < image.data.size(); ++pixel) {
+            Rng rng(
+                30, Pass::tests, (&shot - capture_.description.shots.data()) * 1'000'000 + pixel);
+            if (rng.uniform() >= share) continue;
+            for (std::size_t c = 0; c < 3; ++c) {
+                image.data[3 * pixel + c] = 2 * brightest * float(rng.uniform());
+            }
+        }
+        write_exr(file, image);
+    }
 }
 
 std::vector<double> SimulatedCapture::row_errors(const Estimate& estimate, int channel) const {

@@ -24,6 +24,13 @@ class SimulatedCapture {
     // middle half of its columns, where the object's ends do not matter [-].
     [[nodiscard]] std::vector<double> row_errors(const Estimate& estimate, int channel) const;
 
+    // Puts random radiance, up to twice the image's brightest, into so large a share of the pixels
+    // of every used shot.
+    void spoil(double share);
+
+    [[nodiscard]] const Capture& capture() const { return capture_; }
+    [[nodiscard]] const TruthMaps& truth() const { return truth_; }
+
   private:
     TestFolder folder_;
     Capture capture_;

@@ -55,8 +55,8 @@ class Looks {
             if (!uses(look, light)) return Rgb::Zero();
             Rgb direct = Rgb::Zero();
             for (const LampTerm& lamp : row.lamps) direct += lamp.irradiance.cast<double>();
-            const Rgb part =
-                own.irradiance * std::max(0.0, texel_.point.normal.dot(own.w_i)) / direct.max(1e-300);
+            const Rgb part = own.irradiance * std::max(0.0, texel_.point.normal.dot(own.w_i)) /
+                             direct.max(1e-300);
             return share * part.min(1.0) * predict(row, fitted_);
         });
         return change_;
@@ -112,7 +112,9 @@ class Looks {
     [[nodiscard]] LightSample sample(const Light& light) const {
         return sample_light(light, texel_.point.position, texel_.azimuth);
     }
-    [[nodiscard]] Rgb radiance(const LightSample& light, const Vec3& normal, const Vec3& w_v) const {
+    [[nodiscard]] Rgb radiance(const LightSample& light,
+                               const Vec3& normal,
+                               const Vec3& w_v) const {
         const double cos_i = normal.dot(light.w_i);
         return cos_i > 0 ? Rgb(light.irradiance * cos_i * evaluate(fitted_, normal, light.w_i, w_v))
                          : Rgb(Rgb::Zero());

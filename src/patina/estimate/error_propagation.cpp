@@ -14,9 +14,12 @@ constexpr double kNoInformation = 1e-12;
 
 int num_free(KnownLobe known) {
     switch (known) {
-        case KnownLobe::all: return 5;
-        case KnownLobe::specular: return 4;
-        case KnownLobe::none: return 3;
+        case KnownLobe::all:
+            return 5;
+        case KnownLobe::specular:
+            return 4;
+        case KnownLobe::none:
+            return 3;
     }
     return 3;
 }

@@ -108,8 +108,7 @@ TEST(ErrorPropagation, LeavesAGivenLobeAlone) {
     SyntheticTexel texel(12, 0.6);
     texel.show(kTruth);
     const std::vector<Rgb> change(texel.rows().size(), Rgb::Constant(1e-3));
-    const Parameters free =
-        ErrorPropagation(texel.rows(), kTruth, KnownLobe::all).response(change);
+    const Parameters free = ErrorPropagation(texel.rows(), kTruth, KnownLobe::all).response(change);
     const Parameters given =
         ErrorPropagation(texel.rows(), kTruth, KnownLobe::none).response(change);
     EXPECT_NE(free[3], 0);

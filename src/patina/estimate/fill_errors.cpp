@@ -91,7 +91,8 @@ class Variogram {
         if (other == kNoTexel || measured_[other] == 0) return;
         const Reflectance& a = maps_[i];
         const Reflectance& b = maps_[other];
-        if (!((a.diffuse - b.diffuse).abs() <= kLikeDiffuse * a.diffuse.max(b.diffuse)).all()) return;
+        if (!((a.diffuse - b.diffuse).abs() <= kLikeDiffuse * a.diffuse.max(b.diffuse)).all())
+            return;
         const LobeSpread noise_a = own_variance(a, errors_[i]);
         const LobeSpread noise_b = own_variance(b, errors_[other]);
         const double roughness = std::log(a.roughness / b.roughness);

@@ -20,9 +20,9 @@ struct LobeSpread {
 // One entry per texel; zero for measured ones. errors: standard errors of the measured lobes.
 //
 // A variogram: the mean squared difference of ln sigma and of ln(Ps sigma^2) between measured
-// texels of like Pd, so many texels apart along rows and columns, less their own errors; read at the
-// distance over the surface to the nearest measured texel, whose own error comes on top: what it errs,
-// all that it fills errs with it.
+// texels of like Pd, so many texels apart along rows and columns, less their own errors; read at
+// the distance over the surface to the nearest measured texel, whose own error comes on top: what
+// it errs, all that it fills errs with it.
 [[nodiscard]] std::vector<LobeSpread> fill_errors(const TexelAtlas& atlas,
                                                   std::span<const Reflectance> maps,
                                                   std::span<const Reflectance> errors,

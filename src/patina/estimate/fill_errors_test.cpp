@@ -73,9 +73,8 @@ TEST_F(FillErrors, GrowWithTheDistanceOnAMaterialThatVaries) {
         // Half of the pairs lie along the columns and do not differ; columns 1, 2, 4 ... apart are
         // read with straight lines between.
         if (distance <= 8) {
-            EXPECT_NEAR(spread[i].roughness,
-                        kSlope * distance / std::sqrt(2.0),
-                        0.25 * kSlope * distance);
+            EXPECT_NEAR(
+                spread[i].roughness, kSlope * distance / std::sqrt(2.0), 0.25 * kSlope * distance);
         }
         EXPECT_NEAR(spread[i].specular_albedo, 0, 1e-6);
         previous = spread[i].roughness;

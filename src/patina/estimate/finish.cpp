@@ -91,8 +91,8 @@ class Finisher {
         for (std::size_t k = 0; k < rows.size() && !robust_.empty(); ++k) {
             rows[k].weight *= double(robust_[observations_.begin[i] + k]);
         }
-        estimate_.status[i] = fits_[i].specular_measured ? TexelStatus::measured
-                                                         : TexelStatus::diffuse_measured;
+        estimate_.status[i] =
+            fits_[i].specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         const Reflectance& fitted = estimate_.maps[i];
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
         ErrorBudget& budget = budgets_[i];
@@ -139,13 +139,13 @@ class Finisher {
             whole += row.irradiance.mean();
             const Rgb from_lobe =
                 lobe_basis(row, fitted.roughness) - direct_lobe_basis(row, fitted.roughness);
-            bias[k] = kIndirectError *
-                      (fitted.diffuse * (row.irradiance - from_lamps) + fitted.specular * from_lobe) /
-                      kPi;
+            bias[k] =
+                kIndirectError *
+                (fitted.diffuse * (row.irradiance - from_lamps) + fitted.specular * from_lobe) /
+                kPi;
             if (light_.irradiance.empty()) continue;
             const Observation& look = observations_.of(i)[k];
-            const auto& halves =
-                light_.irradiance[scene_.lamp_set_of_shot[look.shot]].halves;
+            const auto& halves = light_.irradiance[scene_.lamp_set_of_shot[look.shot]].halves;
             difference[k] =
                 fitted.diffuse * (halves[0][i] - halves[1][i]).cast<double>() / (2 * kPi);
         }
@@ -188,8 +188,7 @@ class Finisher {
             observed[i] = fits_[i].observed;
         }
         const double moment = *std::max_element(footprints_.begin(), footprints_.end());
-        const std::vector<Parameters> blur =
-            footprint_blur(atlas_, maps, noise, observed, moment);
+        const std::vector<Parameters> blur = footprint_blur(atlas_, maps, noise, observed, moment);
         for (std::size_t i = 0; i < num_texels; ++i) budgets_[i].blur = blur[i];
     }
 

@@ -92,8 +92,7 @@ double blur_ratio(double differences) {
         if (differences > kEdges[k].differences) continue;
         const EdgeRatio& low = kEdges[k - 1];
         const EdgeRatio& high = kEdges[k];
-        const double t =
-            (differences - low.differences) / (high.differences - low.differences);
+        const double t = (differences - low.differences) / (high.differences - low.differences);
         return low.blur + t * (high.blur - low.blur);
     }
     return kEdges.back().blur;
@@ -124,9 +123,9 @@ std::vector<Parameters> footprint_blur(const TexelAtlas& atlas,
     parallel_for(sums.size(), [&](std::size_t i) {
         if (sums[i].count == 0) return;
         for (int k = 0; k < kNumParameters; ++k) {
-            variance[i][k] = square(moment / kTableMoment) *
-                             blur_variance(sums[i].over_one[k] / sums[i].count,
-                                           sums[i].over_two[k] / sums[i].count);
+            variance[i][k] =
+                square(moment / kTableMoment) * blur_variance(sums[i].over_one[k] / sums[i].count,
+                                                              sums[i].over_two[k] / sums[i].count);
         }
     });
     return variance;

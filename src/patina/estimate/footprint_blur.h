@@ -15,9 +15,10 @@ namespace patina {
 // neighbours are observed to tell.
 //
 // Where the maps are smooth the difference is moment/2 times their Laplacian; at an edge that is
-// narrower than a texel it is up to seven times that. How narrow the edges are is told by the second
-// differences over one and over two texels: the factor follows their ratio as it does at edges of
-// Gaussian profile (1/4 on smooth maps, 1/sqrt(3) at jumps). What lies beyond that ratio is noise.
+// narrower than a texel it is up to seven times that. How narrow the edges are is told by the
+// second differences over one and over two texels: the factor follows their ratio as it does at
+// edges of Gaussian profile (1/4 on smooth maps, 1/sqrt(3) at jumps). What lies beyond that ratio
+// is noise.
 //
 // noise: variance of the maps' own errors, whose second differences are taken off. moment: second
 // moment of a footprint along one axis [texel^2].

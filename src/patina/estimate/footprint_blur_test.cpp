@@ -27,8 +27,7 @@ class FootprintBlur : public testing::Test {
     }
     // Root of the mean variance that is found, away from the borders.
     [[nodiscard]] double found(const std::vector<Parameters>& maps, double noise) const {
-        const std::vector<Parameters> variances(maps.size(),
-                                                Parameters::Constant(square(noise)));
+        const std::vector<Parameters> variances(maps.size(), Parameters::Constant(square(noise)));
         const std::vector<std::uint8_t> observed(maps.size(), 1);
         const std::vector<Parameters> blur =
             footprint_blur(atlas_, maps, variances, observed, kMoment);
@@ -71,8 +70,8 @@ TEST_F(FootprintBlur, IsWhatJumpsLeaveInTheMean) {
     // One texel of six holds an edge; its mean is off from its centre by min(f, 1 - f) for a share
     // f: 1/12 in the mean of squares.
     const double exact = std::sqrt(1.0 / 12 / 6);
-    // Within a few rows the edge does not lie anywhere in its texel, so the ratio that is seen there
-    // is not the mean one that the table holds for.
+    // Within a few rows the edge does not lie anywhere in its texel, so the ratio that is seen
+    // there is not the mean one that the table holds for.
     EXPECT_GT(blur, 0.5 * exact);
     EXPECT_LT(blur, 1.5 * exact);
 }

@@ -27,9 +27,11 @@ class Footprints {
         const GridNeighbors near = grid_neighbors(capture_.atlas, texel);
         const std::size_t view = scene_.camera_of_shot[look.shot];
         const Camera& camera =
-            capture_.description.cameras[capture_.description.shots[scene_.shots[look.shot]].camera];
+            capture_.description
+                .cameras[capture_.description.shots[scene_.shots[look.shot]].camera];
         std::size_t term = 0;
-        for (const std::size_t light : scene_.lamp_sets[scene_.lamp_set_of_shot[look.shot]].indices) {
+        for (const std::size_t light :
+             scene_.lamp_sets[scene_.lamp_set_of_shot[look.shot]].indices) {
             if (scene_.direct[light][texel].irradiance.maxCoeff() <= 0) continue;
             spread_term(texel, near, camera, light, moments_[view], terms[term++]);
         }
@@ -46,10 +48,9 @@ class Footprints {
                                 std::size_t light,
                                 double azimuth) const {
         const SurfacePoint& point = capture_.atlas.texels[texel].point;
-        return chord(
-            point.normal,
-            sample_light(capture_.description.lights[light], point.position, azimuth).w_i,
-            camera.direction_from(point.position, azimuth));
+        return chord(point.normal,
+                     sample_light(capture_.description.lights[light], point.position, azimuth).w_i,
+                     camera.direction_from(point.position, azimuth));
     }
 
     void spread_term(std::size_t texel,
@@ -108,7 +109,9 @@ void spread_over_footprints(const Capture& capture,
     parallel_for(capture.atlas.texels.size(), [&](std::size_t texel) {
         for (const Observation& look : observations.of(texel)) {
             footprints.spread(
-                texel, look, std::span(observations.terms).subspan(look.first_term, look.num_terms));
+                texel,
+                look,
+                std::span(observations.terms).subspan(look.first_term, look.num_terms));
         }
     });
 }

@@ -39,8 +39,8 @@ struct ChainPoint {
 [[nodiscard]] double smooth_difference(double a, double b, double width);
 
 // p on the side of positive x, so that one half of a symmetric solid stands for both. Within about
-// `width` of the plane x = 0 the fold is round: what meets there has no crease of no width, which no
-// scan could resolve. width > 0 [length].
+// `width` of the plane x = 0 the fold is round: what meets there has no crease of no width, which
+// no scan could resolve. width > 0 [length].
 [[nodiscard]] Vec3 fold_at_x0(const Vec3& p, double width);
 
 // Gradient by central differences over `step` [length].
