@@ -97,6 +97,9 @@ struct Capture {
 [[nodiscard]] Capture load_capture(const CaptureDescription& description);
 [[nodiscard]] Capture load_capture(const std::filesystem::path& path);
 
+// Makes all lamps that many times as strong. factor: > 0.
+void multiply_lamps(double factor, CaptureDescription& description);
+
 // One shot as radiance.
 struct RadianceImage {
     // Three channels [W/(m^2 sr), or the capture's own unit]; always finite, 0 where the file is

@@ -85,6 +85,13 @@ void apply_mask(const CaptureDescription& description,
 
 }  // namespace
 
+void multiply_lamps(double factor, CaptureDescription& description) {
+    for (Light& light : description.lights) {
+        light.intensity *= factor;
+        light.irradiance *= factor;
+    }
+}
+
 RadianceImage load_radiance(const CaptureDescription& description, std::size_t shot_index) {
     const Shot& shot = description.shots.at(shot_index);
     const Camera& camera = description.cameras[shot.camera];

@@ -158,6 +158,9 @@ Result read_result(const fs::path& path) {
     static_cast<void>(root["format"].word<bool>({{"patina-result", true}}));
     static_cast<void>(root["version"].integer(1, 1));
     result.name = root["name"].text();
+    if (root["scale"].present()) {
+        result.lamp_factor = root["scale"]["factor"].number_above_zero();
+    }
     for (const MapFile& file : kMapFiles) {
         result.maps.*file.map = read_map(folder / file.name, file);
     }

@@ -33,6 +33,9 @@ struct Result {
     Mesh mesh;         // the surface in the capture's frame, with uvs
     std::string json;  // the text of result.json
     std::string name;  // of the capture
+    // The lamps' true strength over the capture's [-]: other than 1 only where the capture did not
+    // know it and the estimate told it.
+    double lamp_factor = 1;
 };
 
 // Writes the seven maps as OpenEXR into an existing folder. The maps must be as described above:

@@ -89,6 +89,15 @@ TEST_F(ResultFolder, ReadsBackWhatWasWritten) {
     EXPECT_EQ(result.mesh.triangles.size(), 1U);
 }
 
+TEST_F(ResultFolder, KnowsHowStrongTheLampsAre) {
+    EXPECT_EQ(read_result(folder_).lamp_factor, 1);
+    Result result = small_result();
+    result.json = R"({"format": "patina-result", "version": 1, "name": "square",
+                      "scale": {"told": true, "factor": 1.5, "standard_error": 0.01}})";
+    write_result(folder_, result);
+    EXPECT_EQ(read_result(folder_).lamp_factor, 1.5);
+}
+
 TEST_F(ResultFolder, ReadsFromTheNameOfItsJson) {
     EXPECT_EQ(read_result(folder_ / "result.json").name, "square");
 }

@@ -198,8 +198,9 @@ Comparison compare_result(const fs::path& capture_path,
                           const CompareOptions& options,
                           Progress& progress) {
     progress.begin_stage("read capture and result");
-    const Capture capture = load_capture(capture_path);
+    Capture capture = load_capture(capture_path);
     const Result result = read_result(result_path);
+    multiply_lamps(result.lamp_factor, capture.description);
     progress.end_stage();
     return compare_maps(capture, result.maps, result_path.string(), options, progress);
 }

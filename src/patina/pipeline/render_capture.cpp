@@ -42,8 +42,10 @@ Json render_capture(const fs::path& capture_path,
                     Progress& progress) {
     OutputFolder folder(output, "-o");
     progress.begin_stage("read capture and result");
-    const Capture capture = load_capture(capture_path);
-    const ShotRenderer renderer(capture, read_result(result_path).maps, result_path.string());
+    Capture capture = load_capture(capture_path);
+    const Result result = read_result(result_path);
+    multiply_lamps(result.lamp_factor, capture.description);
+    const ShotRenderer renderer(capture, result.maps, result_path.string());
     const std::size_t num_shots = capture.description.shots.size();
     std::uint64_t num_paths = 0;
     for (std::size_t i = 0; i < num_shots; ++i) num_paths += renderer.num_paths(i, options);
