@@ -5,7 +5,7 @@
 #include "patina/base/parallel.h"
 #include "patina/estimate/fill.h"
 #include "patina/estimate/finish.h"
-#include "patina/estimate/gather_iteration.h"
+#include "patina/estimate/gather_method.h"
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/texel_turn.h"
 #include "patina/math/statistics.h"
@@ -292,7 +292,7 @@ Estimate estimate_reflectance(const Capture& capture,
     const Surface surface{&capture.mesh, &tracer};
     progress.end_stage(fmt::format("{} triangles", capture.mesh.triangles.size()));
     const SceneView scene = view_scene(capture, surface, progress);
-    const Observations observations =
+    Observations observations =
         collect_observations(capture, scene, options.observations, progress);
     if (options.method == Method::gather) {
         return estimate_by_gathering(capture, surface, scene, observations, options, progress);
@@ -306,7 +306,12 @@ Estimate estimate_reflectance(const Capture& capture,
             engine, "diffuse", false, options.tolerance * (is_start ? kStartTolerance : 1.0));
         if (is_start) iteration.run_indirect(engine, "photon", true, options.tolerance);
     }
-    return iteration.finish();
+    Estimate estimate = iteration.finish();
+    if (capture.description.radiometry.scale_unknown) {
+        estimate.scale.emplace().reason = "only method gather looks for it";
+        progress.note(untold_note(*estimate.scale));
+    }
+    return estimate;
 }
 
 }  // namespace patina

@@ -9,10 +9,12 @@
 #include "patina/capture/capture.h"
 #include "patina/capture/result_folder.h"
 #include "patina/estimate/observations.h"
+#include "patina/estimate/scale_profile.h"
 #include "patina/estimate/texel_fit.h"
 #include "patina/transport/gather_graph.h"
 #include "patina/transport/ratio_kernel.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -63,6 +65,9 @@ struct Estimate {
     bool converged = false;
     std::size_t num_clamped = 0;  // texels held in the feasible set
     double noise_scale = 1;       // root of the median misfit over the stated variance [-]
+    // Where the capture does not know the strength of its lamps. The maps are those under the lamps
+    // as stated times its factor.
+    std::optional<ScaleEstimate> scale;
 };
 
 // Throws Error for options out of range. option names in messages are those of the command line.

@@ -15,11 +15,11 @@ void FitRowMaker::make(std::size_t texel,
     rows.clear();
     for (const Observation& look : observations_.of(texel)) {
         FitRow& row = rows.emplace_back();
-        row.radiance = look.radiance.cast<double>();
+        row.radiance = look.radiance.cast<double>() / lamp_factor_;
         row.lamps = observations_.lamps(look);
         row.theta_r = double(look.theta_r);
         for (const LampTerm& lamp : row.lamps) row.irradiance += lamp.irradiance.cast<double>();
-        Rgb variance = look.variance.cast<double>();
+        Rgb variance = look.variance.cast<double>() / square(lamp_factor_);
         if (!light.irradiance.empty()) {
             const IndirectIrradiance& indirect =
                 light.irradiance[scene_.lamp_set_of_shot[look.shot]];

@@ -14,6 +14,10 @@ class FitRowMaker {
     FitRowMaker(const SceneView& scene, const Observations& observations)
         : scene_(scene), observations_(observations) {}
 
+    // The true intensities of the lamps over the stated ones, 1 at first [-]; > 0. Rows hold the
+    // radiance over it, so that they fit the lamps as stated.
+    void set_lamp_factor(double factor) { lamp_factor_ = factor; }
+
     // map: the texel's present maps, for the noise that the indirect light adds.
     void make(std::size_t texel,
               const IndirectLight& light,
@@ -23,6 +27,7 @@ class FitRowMaker {
   private:
     const SceneView& scene_;
     const Observations& observations_;
+    double lamp_factor_ = 1;
 };
 
 }  // namespace patina

@@ -155,6 +155,12 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
     return light;
 }
 
+void GatherEngine::restart() {
+    for (LampBlockLight& block : blocks_) block.restart();
+    previous_.clear();
+    previous_change_ = 0;
+}
+
 double GatherEngine::spectral_radius_from(std::vector<double> mean) {
     double change = 0;
     if (!previous_.empty()) {

@@ -28,6 +28,9 @@ class GatherEngine final : public IndirectEngine {
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
 
+    // Forgets the light of earlier sweeps, not the graph.
+    void restart();
+
   private:
     // Which lane of which block a lamp of a lamp set has.
     struct LampPlace {

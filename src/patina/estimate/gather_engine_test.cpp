@@ -112,6 +112,26 @@ TEST_F(ManyLamps, SendTogetherTheSumOfWhatTheySend) {
     }
 }
 
+TEST_F(ManyLamps, SendTheSameAgainAfterARestart) {
+    EstimateOptions options;
+    options.gather.rays = 8;
+    options.gather.lobe_rays = 8;
+    Progress progress;
+    const SceneView view = scene({{0}, {1}});
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    const IndirectLight first = engine.evaluate(channel_.maps, seen_, true);
+    const IndirectLight second = engine.evaluate(channel_.maps, seen_, true);
+    engine.restart();
+    const IndirectLight again = engine.evaluate(channel_.maps, seen_, true);
+    for (const std::size_t set : {0U, 1U}) {
+        EXPECT_TRUE(same_bytes(first.irradiance[set].halves[0], again.irradiance[set].halves[0]));
+        EXPECT_FALSE(same_bytes(first.irradiance[set].halves[0], second.irradiance[set].halves[0]));
+        EXPECT_TRUE(same_bytes(first.lobe[set], again.lobe[set]));
+    }
+    EXPECT_EQ(again.spectral_radius, 0);
+    EXPECT_EQ(engine.evaluate(channel_.maps, seen_, true).spectral_radius, 0);
+}
+
 TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
     EstimateOptions options;
     options.gather.rays = 8;

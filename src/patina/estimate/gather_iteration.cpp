@@ -2,15 +2,11 @@
 
 #include "patina/base/parallel.h"
 #include "patina/estimate/finish.h"
-#include "patina/estimate/gather_engine.h"
-#include "patina/estimate/guided_fill.h"
-#include "patina/estimate/joint_fit.h"
 #include "patina/math/statistics.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <optional>
 
 namespace patina {
 namespace {
@@ -35,309 +31,318 @@ struct TurnSums {
     double count = 0;
 };
 
-class GatherIteration {
-  public:
-    GatherIteration(const Capture& capture,
-                    const SceneView& scene,
-                    const Observations& observations,
-                    const EstimateOptions& options)
-        : capture_(capture),
-          atlas_(capture.atlas),
-          scene_(scene),
-          observations_(observations),
-          rows_(scene, observations),
-          options_(options),
-          num_texels_(atlas_.texels.size()),
-          fits_(num_texels_),
-          robust_(observations.rows.size(), 1.0f),
-          geometry_fill_(atlas_, std::vector<Rgb>(num_texels_, Rgb::Ones())) {
-        Reflectance start;
-        start.roughness = kInitialRoughness;
-        result_.maps.assign(num_texels_, start);
-        result_.seen = observations.seen;
-    }
-
-    void start(Progress& progress) {
-        progress.begin_stage("method direct", kDirectTurns, "turns");
-        for (int turn = 0; turn < kDirectTurns; ++turn) {
-            take_turn("direct", {}, turn > 0, false);
-            progress.advance(1);
-        }
-        progress.end_stage();
-    }
-
-    void run(GatherEngine& engine, Progress& progress) {
-        progress.begin_stage("method gather", std::uint64_t(options_.max_iterations), "turns");
-        double previous_error = 0;
-        int turn = 0;
-        for (; turn < options_.max_iterations && !result_.converged; ++turn) {
-            light_ = {};  // not beside the new one: it is among the largest things in memory
-            light_ = engine.evaluate(result_.maps, observations_.seen, true);
-            const IterationLog log = take_turn("gather", light_, true, turn >= kFreezeAfter);
-            const double error_change =
-                std::abs(log.error - previous_error) / std::max(log.error, 1e-300);
-            previous_error = log.error;
-            result_.converged = (turn > kFreezeAfter && log.change < options_.tolerance &&
-                                 error_change < options_.tolerance) ||
-                                log.error < options_.threshold;
-            progress.advance(1);
-        }
-        const IterationLog& last = result_.iterations.back();
-        progress.end_stage(fmt::format("{} turns, E {:.3g}, change {:.1e}, lambda {:.2f}",
-                                       turn,
-                                       last.error,
-                                       last.change,
-                                       last.spectral_radius));
-        if (!result_.converged) {
-            progress.note(
-                fmt::format("warning: method gather had not settled after {} turns", turn));
-        }
-    }
-
-    [[nodiscard]] Estimate finish() {
-        finish_estimate(capture_, scene_, observations_, light_, fits_, robust_, result_);
-        return std::move(result_);
-    }
-
-  private:
-    // The row factors of one texel.
-    [[nodiscard]] std::span<float> robust(std::size_t texel) {
-        const std::uint32_t begin = observations_.begin[texel];
-        return std::span(robust_).subspan(begin, observations_.begin[texel + 1] - begin);
-    }
-
-    void load(std::size_t texel,
-              const IndirectLight& light,
-              std::vector<FitRow>& rows,
-              JointFit& fit) {
-        rows_.make(texel, light, result_.maps[texel], rows);
-        const std::span<const float> factors = robust(texel);
-        for (std::size_t k = 0; k < rows.size(); ++k) rows[k].weight *= double(factors[k]);
-        fit.load(rows);
-    }
-
-    IterationLog take_turn(const std::string& stage,
-                           const IndirectLight& light,
-                           bool has_maps,
-                           bool frozen) {
-        const std::size_t num_blocks = (num_texels_ + kParallelBlock - 1) / kParallelBlock;
-        std::vector<TurnSums> sums(num_blocks);
-        parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
-            std::vector<FitRow> rows;
-            std::vector<double> misfits;
-            JointFit fit;
-            for (std::size_t i = begin; i < end; ++i) {
-                load(i, light, rows, fit);
-                TurnSums& sum = sums[begin / kParallelBlock];
-                sum.squared_error += fit.squared_error(result_.maps[i]);
-                sum.count += 3.0 * double(rows.size());
-                if (frozen) {
-                    follow_texel(fit, i);
-                } else {
-                    fit_texel(rows, has_maps, fit, i);
-                    weigh_outliers(fit, i, misfits);
-                }
-            }
-        });
-        if (!frozen) {
-            update_noise_scale();
-            drop_unconfirmed(atlas_, fits_);
-            make_guide();
-        }
-        fill_unmeasured(light);
-
-        IterationLog log;
-        log.stage = stage;
-        double squared_error = 0;
-        double count = 0;
-        for (const TurnSums& block : sums) {
-            squared_error += block.squared_error;
-            count += block.count;
-        }
-        log.error = count > 0 ? squared_error / count : 0;
-        log.spectral_radius = light.spectral_radius;
-        log.change = update_maps();
-        result_.iterations.push_back(log);
-        return log;
-    }
-
-    // --- One texel -------------------------------------------------------------------------------
-
-    void fit_texel(const std::vector<FitRow>& rows,
-                   bool has_maps,
-                   const JointFit& joint,
-                   std::size_t i) {
-        TexelFit& fit = fits_[i];
-        fit.observed = !rows.empty();
-        if (rows.empty()) return;
-        fit.reflectance = joint.solve(options_.fit, has_maps ? fit.reflectance.roughness : 0.0);
-        judge_lobe(rows, result_.noise_scale, false, options_.fit, fit);
-        // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
-        if (!fit.specular_measured) {
-            fit.reflectance.diffuse =
-                joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
-        }
-    }
-
-    // What is measured stays what it is.
-    void follow_texel(const JointFit& joint, std::size_t i) {
-        TexelFit& fit = fits_[i];
-        if (!fit.observed) return;
-        if (fit.roughness_measured) {
-            fit.reflectance = joint.solve(options_.fit, fit.reflectance.roughness);
-        } else {
-            fit.reflectance.diffuse =
-                joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
-        }
-    }
-
-    void weigh_outliers(const JointFit& joint, std::size_t i, std::vector<double>& misfits) {
-        const std::span<float> factors = robust(i);
-        if (factors.size() < kMinLooksForOutliers) return;
-        joint.misfits(fits_[i].reflectance, misfits);
-        for (std::size_t k = 0; k < misfits.size(); ++k) {
-            misfits[k] = std::sqrt(misfits[k] / double(factors[k]));
-        }
-        std::vector<double> sorted = misfits;
-        const double local = median(std::move(sorted)) / kMedianMisfit;
-        const double limit = kOutlier * std::max(result_.noise_scale, local);
-        for (std::size_t k = 0; k < misfits.size(); ++k) {
-            factors[k] = misfits[k] > limit ? float(limit / misfits[k]) : 1.0f;
-        }
-    }
-
-    // --- All texels ------------------------------------------------------------------------------
-
-    void update_noise_scale() {
-        std::vector<double> misfits;
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            if (fits_[i].observed && observations_.of(i).size() > 2) {
-                misfits.push_back(fits_[i].misfit);
-            }
-        }
-        if (!misfits.empty()) result_.noise_scale = std::sqrt(median(std::move(misfits)));
-    }
-
-    void make_guide() {
-        std::vector<Rgb> diffuse(num_texels_);
-        for (std::size_t i = 0; i < num_texels_; ++i) diffuse[i] = fits_[i].reflectance.diffuse;
-        color_fill_.emplace(atlas_, diffuse);
-    }
-
-    void fill_unmeasured(const IndirectLight& light) {
-        std::vector<float> confidence(num_texels_);
-        std::vector<double> values(num_texels_);
-        for (const Eigen::Index channel : {0, 1, 2}) {
-            for (std::size_t i = 0; i < num_texels_; ++i) {
-                confidence[i] = fits_[i].observed ? 1.0f : 0.0f;
-                values[i] = fits_[i].observed ? fits_[i].reflectance.diffuse[channel]
-                                              : result_.maps[i].diffuse[channel];
-            }
-            geometry_fill_.fill(confidence, 0, values);
-            for (std::size_t i = 0; i < num_texels_; ++i) {
-                fits_[i].reflectance.diffuse[channel] = values[i];
-            }
-        }
-        fill_roughness(confidence, values);
-        refit_matte(light);
-        fill_specular(confidence, values);
-    }
-
-    static float confidence_of(double error, double value) {
-        const double share = error / std::max(value, 1e-12);
-        return float(std::min(1.0, square(kFullConfidenceError / std::max(share, 1e-6))));
-    }
-
-    void fill_roughness(std::vector<float>& confidence, std::vector<double>& values) {
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            const TexelFit& fit = fits_[i];
-            const bool known = fit.observed && fit.roughness_measured;
-            confidence[i] =
-                known ? confidence_of(fit.roughness_error, fit.reflectance.roughness) : 0.0f;
-            values[i] = std::log(known ? fit.reflectance.roughness : result_.maps[i].roughness);
-        }
-        color_fill_->fill(confidence, std::log(kInitialRoughness), values);
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            if (confidence[i] > 0) continue;
-            fits_[i].reflectance.roughness =
-                std::clamp(std::exp(values[i]), kMinRoughness, kMaxRoughness);
-        }
-    }
-
-    // Ps sigma^2, half the lobe's albedo, is what varies slowly where sigma does not.
-    void fill_specular(std::vector<float>& confidence, std::vector<double>& values) {
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            const TexelFit& fit = fits_[i];
-            const bool known = fit.observed && fit.specular_measured;
-            confidence[i] = !known ? 0.0f
-                            : fit.roughness_measured
-                                ? confidence_of(fit.specular_error, fit.reflectance.specular)
-                                : 1.0f;
-            const Reflectance& source = known ? fit.reflectance : result_.maps[i];
-            values[i] = source.specular * square(source.roughness);
-        }
-        color_fill_->fill(confidence, 0, values);
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            if (confidence[i] > 0) continue;
-            Reflectance& fit = fits_[i].reflectance;
-            fit.specular = std::max(0.0, values[i]) / square(fit.roughness);
-        }
-    }
-
-    // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
-    void refit_matte(const IndirectLight& light) {
-        parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
-            std::vector<FitRow> rows;
-            JointFit joint;
-            for (std::size_t i = begin; i < end; ++i) {
-                TexelFit& fit = fits_[i];
-                if (!fit.observed || !fit.specular_measured || fit.roughness_measured) continue;
-                load(i, light, rows, joint);
-                fit.reflectance.specular = joint.specular_at(fit.reflectance.roughness);
-                fit.reflectance.diffuse =
-                    joint.diffuse_with(fit.reflectance.specular, fit.reflectance.roughness);
-            }
-        });
-    }
-
-    // The maps become the fits; returns the relative change of their albedo.
-    double update_maps() {
-        MapChange change;
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            change.move(result_.maps[i], fits_[i].reflectance);
-        }
-        result_.num_clamped = change.num_clamped;
-        return change.relative();
-    }
-
-    const Capture& capture_;
-    const TexelAtlas& atlas_;
-    const SceneView& scene_;
-    const Observations& observations_;
-    FitRowMaker rows_;
-    const EstimateOptions& options_;
-    std::size_t num_texels_;
-    std::vector<TexelFit> fits_;
-    std::vector<float> robust_;  // factors on the weights, per row of the observations
-    GuidedFill geometry_fill_;
-    std::optional<GuidedFill> color_fill_;
-    IndirectLight light_;
-    Estimate result_;
-};
+float confidence_of(double error, double value) {
+    const double share = error / std::max(value, 1e-12);
+    return float(std::min(1.0, square(kFullConfidenceError / std::max(share, 1e-6))));
+}
 
 }  // namespace
 
-Estimate estimate_by_gathering(const Capture& capture,
-                               const Surface& surface,
-                               const SceneView& scene,
-                               const Observations& observations,
-                               const EstimateOptions& options,
-                               Progress& progress) {
-    GatherIteration iteration(capture, scene, observations, options);
-    iteration.start(progress);
-    GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
-    iteration.run(engine, progress);
-    return iteration.finish();
+GatherIteration::GatherIteration(const Capture& capture,
+                                 const SceneView& scene,
+                                 const Observations& observations,
+                                 const EstimateOptions& options)
+    : capture_(capture),
+      atlas_(capture.atlas),
+      scene_(scene),
+      observations_(observations),
+      rows_(scene, observations),
+      options_(options),
+      num_texels_(atlas_.texels.size()),
+      fits_(num_texels_),
+      robust_(observations.rows.size(), 1.0f),
+      geometry_fill_(atlas_, std::vector<Rgb>(num_texels_, Rgb::Ones())) {
+    Reflectance start;
+    start.roughness = kInitialRoughness;
+    result_.maps.assign(num_texels_, start);
+    result_.seen = observations.seen;
+}
+
+void GatherIteration::start(Progress& progress) {
+    progress.begin_stage("method direct", kDirectTurns, "turns");
+    for (int turn = 0; turn < kDirectTurns; ++turn) {
+        take_turn("direct", {}, turn > 0, false);
+        progress.advance(1);
+    }
+    progress.end_stage();
+}
+
+void GatherIteration::run(GatherEngine& engine, Progress& progress) {
+    progress.begin_stage("method gather", std::uint64_t(options_.max_iterations), "turns");
+    double previous_error = 0;
+    int turn = 0;
+    for (; turn < options_.max_iterations && !result_.converged; ++turn) {
+        const IterationLog log = this->turn(engine, turn >= kFreezeAfter);
+        const double error_change =
+            std::abs(log.error - previous_error) / std::max(log.error, 1e-300);
+        previous_error = log.error;
+        result_.converged = (turn > kFreezeAfter && log.change < options_.tolerance &&
+                             error_change < options_.tolerance) ||
+                            log.error < options_.threshold;
+        progress.advance(1);
+    }
+    const IterationLog& last = result_.iterations.back();
+    progress.end_stage(fmt::format("{} turns, E {:.3g}, change {:.1e}, lambda {:.2f}",
+                                   turn,
+                                   last.error,
+                                   last.change,
+                                   last.spectral_radius));
+    if (!result_.converged) {
+        progress.note(fmt::format("warning: method gather had not settled after {} turns", turn));
+    }
+}
+
+IterationLog GatherIteration::turn(GatherEngine& engine, bool frozen) {
+    if (!frozen) held_weights_.clear();
+    light_ = {};  // not beside the new one: it is among the largest things in memory
+    light_ = engine.evaluate(result_.maps, observations_.seen, true);
+    return take_turn("gather", light_, true, frozen);
+}
+
+void GatherIteration::set_lamp_factor(double factor) {
+    const double ratio = lamp_factor_ / factor;
+    lamp_factor_ = factor;
+    rows_.set_lamp_factor(factor);
+    for (TexelFit& fit : fits_) {
+        fit.reflectance.diffuse *= ratio;
+        fit.reflectance.specular *= ratio;
+        fit.specular_error *= ratio;
+    }
+    update_maps();
+}
+
+void GatherIteration::hold() {
+    std::vector<Rgbf> weights(observations_.rows.size());
+    parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<FitRow> rows;
+        for (std::size_t i = begin; i < end; ++i) {
+            make_rows(i, light_, rows);
+            for (std::size_t k = 0; k < rows.size(); ++k) {
+                weights[observations_.begin[i] + k] =
+                    (rows[k].weight / square(lamp_factor_)).cast<float>();
+            }
+        }
+    });
+    held_weights_ = std::move(weights);
+}
+
+Estimate GatherIteration::finish() {
+    finish_estimate(capture_, scene_, observations_, light_, fits_, robust_, result_);
+    return std::move(result_);
+}
+
+std::span<float> GatherIteration::robust(std::size_t texel) {
+    const std::uint32_t begin = observations_.begin[texel];
+    return std::span(robust_).subspan(begin, observations_.begin[texel + 1] - begin);
+}
+
+void GatherIteration::make_rows(std::size_t texel,
+                                const IndirectLight& light,
+                                std::vector<FitRow>& rows) const {
+    rows_.make(texel, light, result_.maps[texel], rows);
+    const std::size_t begin = observations_.begin[texel];
+    for (std::size_t k = 0; k < rows.size(); ++k) {
+        if (is_held()) {
+            rows[k].weight = square(lamp_factor_) * held_weights_[begin + k].cast<double>();
+        } else {
+            rows[k].weight *= double(robust_[begin + k]);
+        }
+    }
+}
+
+IterationLog GatherIteration::take_turn(const std::string& stage,
+                                        const IndirectLight& light,
+                                        bool has_maps,
+                                        bool frozen) {
+    const std::size_t num_blocks = (num_texels_ + kParallelBlock - 1) / kParallelBlock;
+    std::vector<TurnSums> sums(num_blocks);
+    parallel_blocks(num_texels_, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<FitRow> rows;
+        std::vector<double> misfits;
+        JointFit fit;
+        for (std::size_t i = begin; i < end; ++i) {
+            make_rows(i, light, rows);
+            fit.load(rows);
+            TurnSums& sum = sums[begin / kParallelBlock];
+            sum.squared_error += fit.squared_error(result_.maps[i]);
+            sum.count += 3.0 * double(rows.size());
+            if (frozen) {
+                follow_texel(fit, i);
+            } else {
+                fit_texel(rows, has_maps, fit, i);
+                weigh_outliers(fit, i, misfits);
+            }
+        }
+    });
+    if (!frozen) {
+        update_noise_scale();
+        drop_unconfirmed(atlas_, fits_);
+        make_guide();
+    }
+    fill_unmeasured(light);
+
+    IterationLog log;
+    log.stage = stage;
+    double squared_error = 0;
+    double count = 0;
+    for (const TurnSums& block : sums) {
+        squared_error += block.squared_error;
+        count += block.count;
+    }
+    log.error = count > 0 ? squared_error / count : 0;
+    log.spectral_radius = light.spectral_radius;
+    log.change = update_maps();
+    result_.iterations.push_back(log);
+    return log;
+}
+
+// --- One texel -------------------------------------------------------------------------------
+
+void GatherIteration::fit_texel(const std::vector<FitRow>& rows,
+                                bool has_maps,
+                                const JointFit& joint,
+                                std::size_t i) {
+    TexelFit& fit = fits_[i];
+    fit.observed = !rows.empty();
+    if (rows.empty()) return;
+    fit.reflectance = joint.solve(options_.fit, has_maps ? fit.reflectance.roughness : 0.0);
+    judge_lobe(rows, result_.noise_scale, false, options_.fit, fit);
+    // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
+    if (!fit.specular_measured) {
+        fit.reflectance.diffuse =
+            joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
+    }
+}
+
+// What is measured stays what it is.
+void GatherIteration::follow_texel(const JointFit& joint, std::size_t i) {
+    TexelFit& fit = fits_[i];
+    if (!fit.observed) return;
+    if (fit.specular_measured && is_held()) {
+        fit.reflectance = joint.solve_at(fit.reflectance.roughness);
+    } else if (fit.roughness_measured) {
+        fit.reflectance = joint.solve(options_.fit, fit.reflectance.roughness);
+    } else {
+        fit.reflectance.diffuse =
+            joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
+    }
+}
+
+void GatherIteration::weigh_outliers(const JointFit& joint,
+                                     std::size_t i,
+                                     std::vector<double>& misfits) {
+    const std::span<float> factors = robust(i);
+    if (factors.size() < kMinLooksForOutliers) return;
+    joint.misfits(fits_[i].reflectance, misfits);
+    for (std::size_t k = 0; k < misfits.size(); ++k) {
+        misfits[k] = std::sqrt(misfits[k] / double(factors[k]));
+    }
+    std::vector<double> sorted = misfits;
+    const double local = median(std::move(sorted)) / kMedianMisfit;
+    const double limit = kOutlier * std::max(result_.noise_scale, local);
+    for (std::size_t k = 0; k < misfits.size(); ++k) {
+        factors[k] = misfits[k] > limit ? float(limit / misfits[k]) : 1.0f;
+    }
+}
+
+// --- All texels ------------------------------------------------------------------------------
+
+void GatherIteration::update_noise_scale() {
+    std::vector<double> misfits;
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        if (fits_[i].observed && observations_.of(i).size() > 2) {
+            misfits.push_back(fits_[i].misfit);
+        }
+    }
+    if (!misfits.empty()) result_.noise_scale = std::sqrt(median(std::move(misfits)));
+}
+
+void GatherIteration::make_guide() {
+    std::vector<Rgb> diffuse(num_texels_);
+    for (std::size_t i = 0; i < num_texels_; ++i) diffuse[i] = fits_[i].reflectance.diffuse;
+    color_fill_.emplace(atlas_, diffuse);
+}
+
+void GatherIteration::fill_unmeasured(const IndirectLight& light) {
+    std::vector<float> confidence(num_texels_);
+    std::vector<double> values(num_texels_);
+    for (const Eigen::Index channel : {0, 1, 2}) {
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            confidence[i] = fits_[i].observed ? 1.0f : 0.0f;
+            values[i] = fits_[i].observed ? fits_[i].reflectance.diffuse[channel]
+                                          : result_.maps[i].diffuse[channel];
+        }
+        geometry_fill_.fill(confidence, 0, values);
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            fits_[i].reflectance.diffuse[channel] = values[i];
+        }
+    }
+    if (!is_held()) {
+        fill_roughness(confidence, values);
+        refit_matte(light);
+    }
+    fill_specular(confidence, values);
+}
+
+void GatherIteration::fill_roughness(std::vector<float>& confidence, std::vector<double>& values) {
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        const TexelFit& fit = fits_[i];
+        const bool known = fit.observed && fit.roughness_measured;
+        confidence[i] =
+            known ? confidence_of(fit.roughness_error, fit.reflectance.roughness) : 0.0f;
+        values[i] = std::log(known ? fit.reflectance.roughness : result_.maps[i].roughness);
+    }
+    color_fill_->fill(confidence, std::log(kInitialRoughness), values);
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        if (confidence[i] > 0) continue;
+        fits_[i].reflectance.roughness =
+            std::clamp(std::exp(values[i]), kMinRoughness, kMaxRoughness);
+    }
+}
+
+// Ps sigma^2, half the lobe's albedo, is what varies slowly where sigma does not.
+void GatherIteration::fill_specular(std::vector<float>& confidence, std::vector<double>& values) {
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        const TexelFit& fit = fits_[i];
+        const bool known = fit.observed && fit.specular_measured;
+        confidence[i] = !known ? 0.0f
+                        : fit.roughness_measured
+                            ? confidence_of(fit.specular_error, fit.reflectance.specular)
+                            : 1.0f;
+        const Reflectance& source = known ? fit.reflectance : result_.maps[i];
+        values[i] = source.specular * square(source.roughness);
+    }
+    color_fill_->fill(confidence, 0, values);
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        if (confidence[i] > 0) continue;
+        Reflectance& fit = fits_[i].reflectance;
+        fit.specular = std::max(0.0, values[i]) / square(fit.roughness);
+    }
+}
+
+// Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
+void GatherIteration::refit_matte(const IndirectLight& light) {
+    parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
+        std::vector<FitRow> rows;
+        JointFit joint;
+        for (std::size_t i = begin; i < end; ++i) {
+            TexelFit& fit = fits_[i];
+            if (!fit.observed || !fit.specular_measured || fit.roughness_measured) continue;
+            make_rows(i, light, rows);
+            joint.load(rows);
+            fit.reflectance = joint.solve_at(fit.reflectance.roughness);
+        }
+    });
+}
+
+// The maps become the fits; returns the relative change of their albedo.
+double GatherIteration::update_maps() {
+    MapChange change;
+    for (std::size_t i = 0; i < num_texels_; ++i) {
+        change.move(result_.maps[i], fits_[i].reflectance);
+    }
+    result_.num_clamped = change.num_clamped;
+    return change.relative();
 }
 
 }  // namespace patina

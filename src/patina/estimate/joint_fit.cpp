@@ -1,5 +1,6 @@
 #include "patina/estimate/joint_fit.h"
 
+#include "patina/math/bracket.h"
 #include "patina/reflectance/lobe_lanes.h"
 
 #include <algorithm>
@@ -19,41 +20,6 @@ constexpr int kWarmSteps = 3;
 // The search ends when the next point is this close [log rad].
 constexpr double kLogTolerance = 1e-4;
 constexpr int kMaxRefinements = 12;
-
-// Three points of a cost whose middle one is the lowest.
-struct Bracket {
-    double low, middle, high;
-    double cost_low, cost_middle, cost_high;
-
-    // Replaces one end or the middle by the new point.
-    void insert(double x, double cost) {
-        if (cost < cost_middle) {
-            (x < middle ? high : low) = middle;
-            (x < middle ? cost_high : cost_low) = cost_middle;
-            middle = x;
-            cost_middle = cost;
-        } else {
-            (x < middle ? low : high) = x;
-            (x < middle ? cost_low : cost_high) = cost;
-        }
-    }
-    // The vertex of the parabola through the three, or the middle of the larger part where it is
-    // useless.
-    [[nodiscard]] double next() const {
-        const double left = middle - low;
-        const double right = high - middle;
-        const double rise_left = cost_low - cost_middle;
-        const double rise_right = cost_high - cost_middle;
-        const double denominator = 2 * (left * rise_right + right * rise_left);
-        if (denominator > 0) {
-            const double x =
-                middle + (right * right * rise_left - left * left * rise_right) / denominator;
-            const double margin = 0.01 * (high - low);
-            if (x > low + margin && x < high - margin) return x;
-        }
-        return left > right ? middle - 0.4 * left : middle + 0.4 * right;
-    }
-};
 
 template <typename Cost>
 double refine(Bracket bracket, const Cost& cost) {
@@ -251,9 +217,13 @@ Reflectance JointFit::solve(const FitOptions& options, double start) const {
                           cost);
         }
     }
+    return solve_at(std::exp(std::clamp(best, low, high)));
+}
+
+Reflectance JointFit::solve_at(double roughness) const {
     Reflectance fit;
-    fit.roughness = std::exp(std::clamp(best, low, high));
-    const Sums sums = sums_at(fit.roughness);
+    fit.roughness = roughness;
+    const Sums sums = sums_at(roughness);
     fit.specular = specular_of(sums);
     fit.diffuse = diffuse_of(sums, fit.specular);
     return fit;
@@ -262,8 +232,6 @@ Reflectance JointFit::solve(const FitOptions& options, double start) const {
 Rgb JointFit::diffuse_with(double specular, double roughness) const {
     return diffuse_of(specular > 0 ? sums_at(roughness) : Sums(), specular);
 }
-
-double JointFit::specular_at(double roughness) const { return specular_of(sums_at(roughness)); }
 
 void JointFit::misfits(const Reflectance& reflectance, std::vector<double>& result) const {
     basis_at(reflectance.roughness);

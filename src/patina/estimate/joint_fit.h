@@ -23,8 +23,8 @@ class JointFit {
     [[nodiscard]] Reflectance solve(const FitOptions& options, double start) const;
     // Pd for a lobe that is given.
     [[nodiscard]] Rgb diffuse_with(double specular, double roughness) const;
-    // Ps for a sigma that is given; Pd free.
-    [[nodiscard]] double specular_at(double roughness) const;
+    // Pd and Ps for a sigma that is given.
+    [[nodiscard]] Reflectance solve_at(double roughness) const;
     // Mean over channels of weight x residual^2 for every row [-], at the weights that were loaded:
     // 1 is what the stated noise makes of a perfect model if no robust factor lowers them.
     void misfits(const Reflectance& reflectance, std::vector<double>& result) const;

@@ -80,7 +80,7 @@ TEST(JointFit, SeesIndirectLightThroughTheLobeAsThePlainPredictionDoes) {
             // Residuals of single precision, at weights of one.
             EXPECT_LT(misfits[k], square(kFloat * texel.rows()[k].radiance.maxCoeff())) << k;
         }
-        EXPECT_NEAR(fit.specular_at(truth.roughness), truth.specular, 100 * kFloat);
+        EXPECT_NEAR(fit.solve_at(truth.roughness).specular, truth.specular, 100 * kFloat);
     }
 }
 

@@ -213,4 +213,15 @@ Observations collect_observations(const Capture& capture,
     return result;
 }
 
+void divide_radiances(double factor, Observations& observations) {
+    const auto share = float(1 / factor);
+    for (Observation& look : observations.rows) {
+        look.radiance *= share;
+        look.variance *= square(share);
+    }
+    for (SampleGradient& gradient : observations.gradients) {
+        for (Rgbf& axis : gradient) axis *= share;
+    }
+}
+
 }  // namespace patina

@@ -61,6 +61,10 @@ struct Observations {
     }
 };
 
+// Divides every radiance and its noise: where lamps are `factor` times as strong as stated, these
+// are the radiances that they would bring about as stated. factor: > 0.
+void divide_radiances(double factor, Observations& observations);
+
 // The scene as the used shots (those not held out) see it. Nothing in it depends on the maps.
 struct SceneView {
     std::vector<std::size_t> shots;                // indices into the capture's shots

@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <array>
+#include <cmath>
 #include <sys/resource.h>
 
 namespace patina {
@@ -122,6 +123,29 @@ Json timing_json(const Progress& progress) {
     return timing;
 }
 
+// Where no factor fits best, there is no standard error either.
+Json scale_json(const ScaleEstimate& scale) {
+    Json json = Json::object();
+    json.set("told", Json(scale.told));
+    json.set("factor", Json(scale.factor));
+    if (std::isfinite(scale.standard_error)) {
+        json.set("best_factor", Json(scale.best_factor));
+        json.set("standard_error", Json(scale.standard_error));
+    }
+    if (!scale.told) {
+        json.set("reason", Json(scale.reason));
+        json.set("maps_up_to_common_factor", Json(true));
+    }
+    return json;
+}
+
+std::string scale_words(const Json& scale) {
+    if (!scale.find("told")->boolean) return "not told: " + scale.find("reason")->text;
+    return fmt::format("lamps {:.4g} times as strong as stated, standard error {:.1f} %",
+                       scale.find("factor")->number,
+                       100 * scale.find("standard_error")->number);
+}
+
 Json make_json(const Capture& capture, const EstimateOptions& options, const Estimate& estimate) {
     EstimateOptions copy = options;
     Json json = Json::object();
@@ -136,6 +160,7 @@ Json make_json(const Capture& capture, const EstimateOptions& options, const Est
     json.set("lambda",
              Json(estimate.iterations.empty() ? 0.0 : estimate.iterations.back().spectral_radius));
     json.set("noise_scale", Json(estimate.noise_scale));
+    if (estimate.scale) json.set("scale", scale_json(*estimate.scale));
     json.set("texels", texels_json(capture.atlas, estimate));
     json.set("iterations", iterations_json(estimate.iterations));
     return json;
@@ -285,6 +310,7 @@ Result make_result(const Capture& capture,
     result.maps = make_maps(capture.atlas, estimate);
     result.mesh = capture.mesh;
     result.name = capture.description.name;
+    if (estimate.scale) result.lamp_factor = estimate.scale->factor;
     result.json = to_text(make_json(capture, options, estimate));
     return result;
 }
@@ -320,6 +346,9 @@ std::string estimate_text(const Json& result) {
     table.add({"converged", result.find("converged")->boolean ? "yes" : "no"});
     table.add({"turns", fmt::format("{}", result.find("iterations")->items.size())});
     table.add({"lambda", fmt::format("{:.3f}", result.find("lambda")->number)});
+    if (const Json* const scale = result.find("scale")) {
+        table.add({"absolute scale", scale_words(*scale)});
+    }
     table.add({"measured (status 1)", fmt::format("{} texels", by_status.find("1")->integer)});
     table.add({"diffuse measured (2)", fmt::format("{} texels", by_status.find("2")->integer)});
     table.add({"filled (3)", fmt::format("{} texels", by_status.find("3")->integer)});

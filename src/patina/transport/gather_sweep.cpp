@@ -174,6 +174,8 @@ void LampBlockLight::sweep(const GatherGraph& graph,
     });
 }
 
+void LampBlockLight::restart() { indirect_.assign(indirect_.size(), {}); }
+
 LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
                                                std::size_t view,
                                                const RadiantTexels& texels,

@@ -57,6 +57,9 @@ class LampBlockLight {
                const SurfaceFilter& filter,
                std::array<IndirectLanes, 2>& halves);
 
+    // The next sweep is the first one again.
+    void restart();
+
     // Indirect light seen through the lobe of `texel` from one camera view, for three widths of it
     // (IndirectLobe), of the light of the last sweep but for the bounce towards the texel.
     struct LobeLanes {

@@ -1,0 +1,64 @@
+#include "patina/estimate/gather_method.h"
+
+#include "patina/estimate/gather_iteration.h"
+#include "patina/estimate/gather_scale.h"
+
+#include <cmath>
+
+namespace patina {
+namespace {
+
+// The scale's error comes on top of each texel's own, infinite where nothing is known.
+void add_scale_error(double relative_error, Estimate& estimate) {
+    for (std::size_t i = 0; i < estimate.maps.size(); ++i) {
+        const Reflectance& map = estimate.maps[i];
+        Reflectance& error = estimate.errors[i];
+        error.diffuse = (error.diffuse.square() + (relative_error * map.diffuse).square()).sqrt();
+        error.specular = std::hypot(error.specular, relative_error * map.specular);
+    }
+}
+
+// Turns until the maps rest, from looks whose radiances were divided by `lamp_factor`.
+Estimate iterate(const Capture& capture,
+                 const SceneView& scene,
+                 const Observations& observations,
+                 double lamp_factor,
+                 EstimateOptions options,
+                 GatherEngine& engine,
+                 Progress& progress) {
+    // E is in radiances of the capture.
+    options.threshold /= square(lamp_factor);
+    GatherIteration iteration(capture, scene, observations, options);
+    iteration.start(progress);
+    iteration.run(engine, progress);
+    Estimate estimate = iteration.finish();
+    for (IterationLog& turn : estimate.iterations) turn.error *= square(lamp_factor);
+    return estimate;
+}
+
+}  // namespace
+
+Estimate estimate_by_gathering(const Capture& capture,
+                               const Surface& surface,
+                               const SceneView& scene,
+                               Observations& observations,
+                               const EstimateOptions& options,
+                               Progress& progress) {
+    GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
+    std::optional<ScaleEstimate> scale;
+    if (capture.description.radiometry.scale_unknown) {
+        GatherIteration trials(capture, scene, observations, options);
+        trials.start(progress);
+        scale = measure_scale(trials, engine, capture.atlas, scene, observations, progress);
+        engine.restart();
+    }
+    const double lamp_factor = scale ? scale->factor : 1;
+    if (lamp_factor != 1) divide_radiances(lamp_factor, observations);
+    Estimate estimate =
+        iterate(capture, scene, observations, lamp_factor, options, engine, progress);
+    if (scale && scale->told) add_scale_error(scale->standard_error, estimate);
+    estimate.scale = std::move(scale);
+    return estimate;
+}
+
+}  // namespace patina
