@@ -22,10 +22,11 @@ void require(bool condition,
 
 // What one look at one texel shows; bits. theta_r: between the mirror direction and the view.
 std::uint8_t look_shows(const CoverOptions& options,
+                        const LookLimits& limits,
                         const Vec3& normal,
                         const DirectLight& direct,
                         const TexelView& view) {
-    if (!is_usable(direct, view, options.limits())) return 0;
+    if (!is_usable(direct, view, limits)) return 0;
     const double theta_r =
         std::sqrt(mirror_angle_squared(normal, direct.w_i.cast<double>(), view.w_v.cast<double>()));
     if (theta_r < options.specular_reach * options.roughness) return kShowsSpecular;
@@ -39,12 +40,13 @@ std::vector<std::uint8_t> lamp_shows(const RigView& rig,
                                      const CoverOptions& options) {
     const std::vector<Texel>& texels = rig.capture().atlas.texels;
     const std::vector<Camera>& cameras = rig.capture().description.cameras;
+    const LookLimits limits = options.limits();
     std::vector<std::uint8_t> shows(texels.size(), 0);
     for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
         if (!may_go_together(cameras[camera], light)) continue;
         parallel_for(texels.size(), [&](std::size_t i) {
-            shows[i] |=
-                look_shows(options, texels[i].point.normal, direct[i], rig.views(camera)[i]);
+            shows[i] |= look_shows(
+                options, limits, texels[i].point.normal, direct[i], rig.views(camera)[i]);
         });
     }
     return shows;

@@ -11,6 +11,7 @@
 #include "patina/math/types.h"
 #include "patina/plan/rig_view.h"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -33,7 +34,9 @@ struct CoverOptions {
     std::size_t max_lamps = 0;       // choose no more; 0: no limit
     std::vector<std::size_t> taken;  // lights already shot: they count, and are not chosen again
 
-    [[nodiscard]] LookLimits limits() const { return {max_light_angle, max_view_angle}; }
+    [[nodiscard]] LookLimits limits() const {
+        return {std::cos(max_light_angle), std::cos(max_view_angle)};
+    }
 };
 
 // Throws Error. Options are named as on the command line. num_lights: of the capture.

@@ -3,7 +3,6 @@
 #include "patina/base/error.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace patina {
 
@@ -38,8 +37,7 @@ std::vector<DirectLight> RigView::direct(const Light& light) const {
 
 bool is_usable(const DirectLight& direct, const TexelView& view, const LookLimits& limits) {
     return direct.state == ShadowState::lit && view.state == ViewState::clear &&
-           direct.cos_i > std::cos(limits.max_light_angle) &&
-           view.cos_v > std::cos(limits.max_view_angle);
+           direct.cos_i > limits.min_cos_i && view.cos_v > limits.min_cos_v;
 }
 
 bool may_go_together(const Camera& camera, const Light& light) {

@@ -38,10 +38,10 @@ class RigView {
     std::vector<TexelId> seen_;
 };
 
-// Beyond these angles from the normal a look counts for nothing [rad].
+// Cosines to the normal that a look must exceed to count [-].
 struct LookLimits {
-    double max_light_angle = 0;
-    double max_view_angle = 0;
+    double min_cos_i = 0;
+    double min_cos_v = 0;
 };
 
 // Whether a look is clear of shadow edges and silhouettes and within the limits.
