@@ -197,7 +197,7 @@ TEST_F(ContractCommands, PlanSaysWhichLookToTakeAfterACapture) {
 
 TEST_F(ContractCommands, PlanNamesTheWordThatDoesNotFit) {
     const auto expect = [&](const std::string& words, const std::string& message) {
-        const ProgramRun run = run_program("plan " + capture_ + " " + words, folder_);
+        const ProgramRun run = run_program("plan " + capture_ + " " + words, folder_.path());
         EXPECT_EQ(run.status, 2) << words;
         EXPECT_EQ(run.errors, "patina: " + message + "\n");
     };
