@@ -263,6 +263,7 @@ Json plan_lamps(const fs::path& path, const PlanOptions& options, Progress& prog
     progress.end_stage(fmt::format("{} texels", scene.capture.atlas.texels.size()));
     StudyOptions study_options = options.study;
     study_options.shots_are_taken = !options.given.empty();
+    if (options.given.empty()) study_options.num_next = 0;
     study_options.cover.taken = options.given.empty()
                                     ? lights_named(options.taken, scene.capture.description.lights)
                                     : scene.taken;

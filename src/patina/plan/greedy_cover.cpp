@@ -138,14 +138,44 @@ struct Pick {
     std::uint64_t gain = 0;
 };
 
-// The candidate with the largest gain, ties to the lower index.
-Pick best_pick(const Cover& cover, const std::vector<std::size_t>& candidates) {
-    std::vector<std::uint64_t> gains(candidates.size());
-    parallel_for(
-        candidates.size(), [&](std::size_t k) { gains[k] = cover.gain(candidates[k]); }, 1);
-    const auto best = std::max_element(gains.begin(), gains.end());
-    return {candidates[std::size_t(best - gains.begin())], *best};
-}
+// The candidates that are left. A gain never grows as lamps are taken, so the last one found of a
+// lamp bounds what it is now, and only lamps whose bound is the largest need another look.
+class LazyGains {
+  public:
+    LazyGains(const Cover& cover, std::vector<std::size_t> candidates)
+        : candidates_(std::move(candidates)),
+          bounds_(candidates_.size()),
+          is_fresh_(candidates_.size(), 1) {
+        parallel_for(
+            candidates_.size(), [&](std::size_t k) { bounds_[k] = cover.gain(candidates_[k]); }, 1);
+    }
+
+    [[nodiscard]] bool empty() const { return candidates_.empty(); }
+
+    // The candidate with the largest gain, ties to the lower index.
+    [[nodiscard]] Pick best(const Cover& cover) {
+        for (;;) {
+            const auto top = std::max_element(bounds_.begin(), bounds_.end());
+            const auto k = std::size_t(top - bounds_.begin());
+            if (is_fresh_[k] != 0) return {candidates_[k], *top};
+            *top = cover.gain(candidates_[k]);
+            is_fresh_[k] = 1;
+        }
+    }
+
+    // After the light was added to the cover.
+    void take(std::size_t light) {
+        const auto found = std::find(candidates_.begin(), candidates_.end(), light);
+        bounds_.erase(bounds_.begin() + (found - candidates_.begin()));
+        candidates_.erase(found);
+        is_fresh_.assign(candidates_.size(), 0);
+    }
+
+  private:
+    std::vector<std::size_t> candidates_;  // ascending
+    std::vector<std::uint64_t> bounds_;
+    std::vector<std::uint8_t> is_fresh_;
+};
 
 struct Choice {
     std::vector<std::size_t> chosen;
@@ -161,8 +191,9 @@ Choice choose_from(std::vector<std::size_t> candidates,
                    const CoverOptions& options) {
     Choice choice;
     const double min_gain = options.min_gain * double(measurability.num_seen);
-    while (!candidates.empty()) {
-        const Pick pick = best_pick(cover, candidates);
+    LazyGains gains(cover, std::move(candidates));
+    while (!gains.empty()) {
+        const Pick pick = gains.best(cover);
         const bool enough = cover.reaches(options.enough, all);
         const bool full = options.max_lamps > 0 && choice.chosen.size() == options.max_lamps;
         Cover with = cover;
@@ -176,7 +207,7 @@ Choice choose_from(std::vector<std::size_t> candidates,
         }
         cover = std::move(with);
         choice.chosen.push_back(pick.light);
-        std::erase(candidates, pick.light);
+        gains.take(pick.light);
     }
     if (cover.reaches(options.enough, all)) choice.stop = CoverStop::enough;
     return choice;

@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/error.h"
+#include "patina/base/parallel.h"
 #include "patina/estimate/observations.h"
 #include "patina/math/statistics.h"
 #include "patina/plan/lamp_orders.h"
@@ -203,12 +204,14 @@ class Study {
     }
 
     [[nodiscard]] std::vector<PlanWorth> median_of_draws(std::size_t size) const {
-        std::vector<std::vector<PlanWorth>> draws;
-        for (int draw = 0; draw < options_.num_draws; ++draw) {
-            const Order order =
-                random_order(candidates().size(), options_.seed, std::uint64_t(draw));
-            draws.push_back(worth_of(shortened(order, size)));
-        }
+        std::vector<std::vector<PlanWorth>> draws(std::size_t(options_.num_draws));
+        parallel_for(
+            draws.size(),
+            [&](std::size_t draw) {
+                const Order order = random_order(candidates().size(), options_.seed, draw);
+                draws[draw] = worth_of(shortened(order, size));
+            },
+            1);
         std::vector<PlanWorth> middle(draws.front().size());
         for (std::size_t n = 0; n < middle.size(); ++n) {
             const auto median_of = [&](const auto& value) {
@@ -235,6 +238,7 @@ class Study {
 
     [[nodiscard]] std::vector<NextLook> rank_next() const {
         std::vector<NextLook> next;
+        if (options_.num_next == 0) return next;
         const auto consider = [&](bool is_camera, std::size_t index, const LookGradients& looks) {
             next.push_back({is_camera, index, known_.gain(looks), {}, 0});
         };
