@@ -1,4 +1,5 @@
 // What each command leaves on disk and on standard output.
+#include "patina/base/output_file.h"
 #include "patina/base/test_folder.h"
 #include "patina/capture/json.h"
 #include "patina/capture/result_folder.h"
@@ -9,6 +10,7 @@
 #include "support/program.h"
 #include "support/tiny_capture.h"
 #include <cmath>
+#include <sstream>
 
 namespace patina {
 namespace {
@@ -166,6 +168,48 @@ TEST_F(ContractCommands, PlanWritesARigThatCanBePlannedAgain) {
     ASSERT_GT(num_chosen, 0U);
     const Json again = run_json("plan " + rig);
     EXPECT_EQ(again.find("candidates")->integer, std::int64_t(num_chosen));
+    // A count, then an id and a unit direction for each lamp, in the order of choice.
+    std::istringstream directions(read_file(folder_ / "rig" / "chosen.lp"));
+    std::size_t count = 0;
+    directions >> count;
+    ASSERT_EQ(count, num_chosen);
+    for (const Json& light : plan.find("chosen")->items) {
+        std::string name;
+        Vec3 w = Vec3::Zero();
+        directions >> name >> w.x() >> w.y() >> w.z();
+        EXPECT_EQ(name, light.find("light")->text);
+        EXPECT_NEAR(w.norm(), 1, 1e-8);
+    }
+    EXPECT_NE(read_file(folder_ / "rig" / "plan.html").find("<svg"), std::string::npos);
+}
+
+TEST_F(ContractCommands, PlanSaysWhichLookToTakeAfterACapture) {
+    const Json plan = run_json("plan " + capture_ + " --dome 8 --given " + capture_ + " --maps " +
+                               result_ + " --lamps 2 --next-looks 3");
+    EXPECT_EQ(plan.find("chosen")->items.size(), 2U);
+    const std::vector<Json>& looks = plan.find("next_looks")->items;
+    ASSERT_EQ(looks.size(), 3U);
+    EXPECT_EQ(looks[0].find("light")->text, plan.find("chosen")->items[0].find("light")->text);
+    EXPECT_GE(looks[0].find("gain")->number, looks[1].find("gain")->number);
+    // The shots' own lamps are no candidates.
+    EXPECT_EQ(plan.find("candidates")->integer, 8);
+}
+
+TEST_F(ContractCommands, PlanNamesTheWordThatDoesNotFit) {
+    const auto expect = [&](const std::string& words, const std::string& message) {
+        const ProgramRun run = run_program("plan " + capture_ + " " + words, folder_.path());
+        EXPECT_EQ(run.status, 2) << words;
+        EXPECT_EQ(run.errors, "patina: " + message + "\n");
+    };
+    expect("--grid 3 --quiet", "--grid: is \"3\" (expected columns and rows such as 128x80)");
+    expect("--dome 8 --center 1,2 --quiet",
+           "--center: is \"1,2\" (expected three numbers with commas between)");
+    expect("--spacing 0.1 --quiet", "--spacing: has nothing to place (expected --grid besides)");
+    expect("--taken L12 --given " + capture_ + " --quiet",
+           "--taken: is given besides --given (expected one of the two)");
+    expect("--given " + capture_ + " --quiet",
+           (folder_ / "capture" / "capture.json").string() +
+               ": lights: hold no candidate (expected at least one)");
 }
 
 }  // namespace

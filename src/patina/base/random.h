@@ -18,6 +18,8 @@ enum class Pass : std::uint32_t {
     calibration_error = 5,
     rendered_shots = 6,
     gather = 7,
+    plan_texels = 8,
+    plan_draws = 9,
     tests = 100,
 };
 

@@ -19,6 +19,8 @@
 namespace patina {
 
 enum class LengthUnit { meter, centimeter, millimeter };
+// "m", "cm" or "mm".
+[[nodiscard]] const char* length_unit_name(LengthUnit unit);
 
 // How the geometry was given. Exactly one of mesh_file and range_file is set.
 struct GeometrySource {

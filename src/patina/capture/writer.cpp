@@ -204,19 +204,19 @@ Json truth_json(const Truth& truth) {
     return json;
 }
 
-Json length_unit_json(LengthUnit unit) {
+}  // namespace
+
+const char* length_unit_name(LengthUnit unit) {
     switch (unit) {
         case LengthUnit::meter:
-            return Json("m");
+            return "m";
         case LengthUnit::centimeter:
-            return Json("cm");
+            return "cm";
         case LengthUnit::millimeter:
             break;
     }
-    return Json("mm");
+    return "mm";
 }
-
-}  // namespace
 
 void write_capture_description(const CaptureDescription& description,
                                const std::filesystem::path& folder) {
@@ -225,7 +225,7 @@ void write_capture_description(const CaptureDescription& description,
     root.set("format", Json(rig ? "patina-rig" : "patina-capture"));
     root.set("version", Json(1));
     root.set("name", Json(description.name));
-    root.set("length_unit", length_unit_json(description.length_unit));
+    root.set("length_unit", Json(length_unit_name(description.length_unit)));
     root.set("geometry", geometry_json(description.geometry));
     Json cameras = Json::list();
     for (const Camera& camera : description.cameras) cameras.push(camera_json(camera));

@@ -25,12 +25,6 @@ struct FlatMap {
     bool is_angular = false;
 };
 
-Vec3 direction_to(const Light& lamp, const Vec3& center) {
-    if (lamp.type == LightType::directional) return lamp.direction.value_or(Vec3::UnitZ());
-    const Vec3 offset = lamp.position - center;
-    return offset.norm() > 0 ? Vec3(offset.normalized()) : Vec3(Vec3::UnitZ());
-}
-
 FlatMap flatten(const SelectionReport& selection) {
     std::vector<Vec3> directions;
     Vec3 sum = Vec3::Zero();

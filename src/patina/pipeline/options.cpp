@@ -1,7 +1,5 @@
 #include "patina/pipeline/options.h"
 
-#include "patina/math/types.h"
-
 #include <fmt/format.h>
 
 #include <charconv>
@@ -164,6 +162,65 @@ Option angle_option(const std::string& name,
     };
     option.get = [&field_rad]() {
         return Json(std::stod(fmt::format("{:.9g}", degrees(field_rad))));
+    };
+    return option;
+}
+
+Option size_option(const std::string& name,
+                   int& width,
+                   int& height,
+                   const std::string& range,
+                   const std::string& help) {
+    const auto text_of = [&width, &height]() { return fmt::format("{}x{}", width, height); };
+    Option option;
+    option.name = name;
+    option.value_name = "WxH";
+    option.range = range;
+    if (width > 0) option.default_text = text_of();
+    option.help = help;
+    option.is_setting = true;
+    const Option words = option;
+    option.set = [&width, &height, words](const std::string& text) {
+        const std::size_t cross = std::min(text.find('x'), text.size());
+        const std::string rest = cross < text.size() ? text.substr(cross + 1) : "";
+        if (!parse_whole(text.substr(0, cross), width) || !parse_whole(rest, height)) {
+            reject(words, text, "columns and rows such as 128x80");
+        }
+    };
+    option.get = [text_of]() { return Json(text_of()); };
+    return option;
+}
+
+Option vector_option(const std::string& name,
+                     std::optional<Vec3>& field,
+                     const std::string& default_text,
+                     const std::string& help) {
+    Option option;
+    option.name = name;
+    option.value_name = "X,Y,Z";
+    option.default_text = default_text;
+    option.help = help;
+    option.is_setting = true;
+    const Option words = option;
+    option.set = [&field, words](const std::string& text) {
+        Vec3 value = Vec3::Zero();
+        std::size_t begin = 0;
+        for (Eigen::Index i = 0; i < 3; ++i) {
+            const std::size_t end = i < 2 ? text.find(',', begin) : text.size();
+            if (end == std::string::npos ||
+                !parse_whole(text.substr(begin, end - begin), value[i]) ||
+                !std::isfinite(value[i])) {
+                reject(words, text, "three numbers with commas between");
+            }
+            begin = end + 1;
+        }
+        field = value;
+    };
+    option.get = [&field]() {
+        if (!field) return Json();
+        Json list = Json::list();
+        for (const double coordinate : *field) list.push(Json(coordinate));
+        return list;
     };
     return option;
 }

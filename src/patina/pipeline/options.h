@@ -4,6 +4,7 @@
 
 #include "patina/base/error.h"
 #include "patina/capture/json.h"
+#include "patina/math/types.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -88,6 +89,17 @@ struct Range {
                                   double& field_rad,
                                   const Range& range,
                                   const std::string& help);
+// "WxH" in two fields; both 0: none. range: said in the help, checked by the command.
+[[nodiscard]] Option size_option(const std::string& name,
+                                 int& width,
+                                 int& height,
+                                 const std::string& range,
+                                 const std::string& help);
+// "X,Y,Z". Nothing unless given; what then holds is said in default_text.
+[[nodiscard]] Option vector_option(const std::string& name,
+                                   std::optional<Vec3>& field,
+                                   const std::string& default_text,
+                                   const std::string& help);
 [[nodiscard]] Option flag_option(const std::string& name, bool& field, const std::string& help);
 [[nodiscard]] Option path_option(const std::string& name,
                                  const std::string& value_name,

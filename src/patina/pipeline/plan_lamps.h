@@ -4,7 +4,8 @@
 #include "patina/base/progress.h"
 #include "patina/capture/json.h"
 #include "patina/pipeline/options.h"
-#include "patina/plan/greedy_cover.h"
+#include "patina/plan/lamp_stand.h"
+#include "patina/plan/lamp_study.h"
 
 #include <filesystem>
 #include <string>
@@ -13,11 +14,15 @@ namespace patina {
 
 // What the command line says of a plan.
 struct PlanOptions {
-    CoverOptions cover;
+    StudyOptions study;
+    LampStandOptions stand;
     std::string taken;             // ids of lamps that were shot already, with commas between
+    std::filesystem::path given;   // a capture whose shots were taken already; empty: none
+    std::filesystem::path maps;    // a result to plan for; empty: a typical surface
     std::filesystem::path output;  // folder for a rig of the chosen lamps; empty: none
 };
 [[nodiscard]] OptionTable plan_option_table(PlanOptions& options);
+[[nodiscard]] const Choices<PlanRule>& plan_rules();
 
 // path: a capture, or a folder with a rig.json, or that file. Throws Error, WorkFailed,
 // Interrupted.
@@ -26,8 +31,5 @@ struct PlanOptions {
                               Progress& progress);
 
 [[nodiscard]] std::string plan_text(const Json& plan);
-
-// Reads a capture or a rig, whichever the path holds.
-[[nodiscard]] CaptureDescription read_capture_or_rig(const std::filesystem::path& path);
 
 }  // namespace patina

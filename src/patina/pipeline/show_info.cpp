@@ -6,7 +6,7 @@
 #include "patina/export/picture.h"
 #include "patina/math/statistics.h"
 #include "patina/pipeline/pictures.h"
-#include "patina/pipeline/plan_lamps.h"
+#include "patina/pipeline/plan_given.h"
 #include "patina/pipeline/text_table.h"
 
 #include <fmt/format.h>
@@ -19,18 +19,6 @@ namespace fs = std::filesystem;
 constexpr int kSheetCell = 240;          // [pixels]
 constexpr double kWhiteShare = 0.99;     // of an image's values are darker than its white
 constexpr double kRoughnessWhite = 0.5;  // on the sheet of a result [rad]
-
-const char* unit_name(LengthUnit unit) {
-    switch (unit) {
-        case LengthUnit::meter:
-            return "m";
-        case LengthUnit::centimeter:
-            return "cm";
-        case LengthUnit::millimeter:
-            return "mm";
-    }
-    return "";
-}
 
 const char* model_name(CameraModel model) {
     switch (model) {
@@ -87,7 +75,7 @@ Json capture_json(const Capture& capture) {
     Json json = Json::object();
     json.set("kind", Json(description.shots.empty() ? "rig" : "capture"));
     json.set("name", Json(description.name));
-    json.set("length_unit", Json(unit_name(description.length_unit)));
+    json.set("length_unit", Json(length_unit_name(description.length_unit)));
     json.set("geometry", geometry_json(capture));
     add_devices(description, json);
     std::int64_t num_heldout = 0;

@@ -24,27 +24,6 @@ bool parse_count(const std::string& text, int& value) {
     return !text.empty() && code == std::errc() && stop == text.data() + text.size();
 }
 
-// "WxH" in two fields.
-Option size_option(const std::string& name, int& width, int& height, const std::string& help) {
-    Option option;
-    option.name = name;
-    option.value_name = "WxH";
-    option.range = "8 or more each";
-    option.default_text = fmt::format("{}x{}", width, height);
-    option.help = help;
-    option.is_setting = true;
-    const std::string flag = option.flag();
-    option.set = [&width, &height, flag](const std::string& text) {
-        const std::size_t cross = std::min(text.find('x'), text.size());
-        const std::string rest = cross < text.size() ? text.substr(cross + 1) : "";
-        if (!parse_count(text.substr(0, cross), width) || !parse_count(rest, height)) {
-            throw Error(flag, "", "is " + quote(text), "columns and rows such as 128x80");
-        }
-    };
-    option.get = [&width, &height]() { return Json(fmt::format("{}x{}", width, height)); };
-    return option;
-}
-
 std::vector<std::size_t> choose_lamps(const SimulatedObject& object,
                                       const SimulateOptions& options,
                                       Progress& progress) {
@@ -89,7 +68,8 @@ OptionTable simulate_option_table(SimulateOptions& options) {
                     "plan|all|N,N",
                     options.lights,
                     "lamps to take: as 'patina plan' chooses, all, or numbers of candidates"),
-        size_option("texels", scan.columns, scan.rows, "size of the maps and images"),
+        size_option(
+            "texels", scan.columns, scan.rows, "8 or more each", "size of the maps and images"),
         integer_option(
             "samples", scan.samples_per_pixel, between(1, 1 << 20), "paths for each pixel"),
         integer_option("heldout_samples",

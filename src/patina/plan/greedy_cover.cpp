@@ -2,9 +2,7 @@
 
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
-#include "patina/observe/camera_view.h"
 #include "patina/reflectance/lobe.h"
-#include "patina/transport/direct.h"
 
 #include <algorithm>
 #include <string>
@@ -22,75 +20,36 @@ void require(bool condition,
     if (!condition) throw Error(option, "", problem, expected);
 }
 
-// Whether a light may be chosen: all but those that only held-out shots use.
-std::vector<std::uint8_t> may_be_chosen(const CaptureDescription& description) {
-    std::vector<std::uint8_t> used(description.lights.size(), 0);
-    std::vector<std::uint8_t> heldout(description.lights.size(), 0);
-    for (const Shot& shot : description.shots) {
-        for (const std::size_t light : shot.lights) (shot.heldout ? heldout : used)[light] = 1;
-    }
-    for (std::size_t i = 0; i < used.size(); ++i) used[i] = used[i] != 0 || heldout[i] == 0;
-    return used;
-}
-
-bool may_go_together(const Camera& camera, const Light& light) {
-    return light.frame == FrameOfReference::world || camera.frame == FrameOfReference::scanner;
-}
-
 // What one look at one texel shows; bits. theta_r: between the mirror direction and the view.
 std::uint8_t look_shows(const CoverOptions& options,
+                        const LookLimits& limits,
                         const Vec3& normal,
                         const DirectLight& direct,
                         const TexelView& view) {
-    if (direct.state != ShadowState::lit || view.state != ViewState::clear) return 0;
-    if (direct.cos_i <= std::cos(options.max_light_angle)) return 0;
-    if (view.cos_v <= std::cos(options.max_view_angle)) return 0;
+    if (!is_usable(direct, view, limits)) return 0;
     const double theta_r =
         std::sqrt(mirror_angle_squared(normal, direct.w_i.cast<double>(), view.w_v.cast<double>()));
     if (theta_r < options.specular_reach * options.roughness) return kShowsSpecular;
     return theta_r > options.diffuse_reach * options.roughness ? kShowsDiffuse : 0;
 }
 
-using Views = std::vector<std::vector<TexelView>>;  // per camera, per texel
-
-Views view_from_all(const Capture& capture, const Tracer& tracer, Progress& progress) {
-    Views views;
-    for (const Camera& camera : capture.description.cameras) {
-        views.push_back(view_texels(capture.mesh, tracer, capture.atlas, camera));
-        progress.advance(1);
-    }
-    return views;
-}
-
-std::size_t count_seen(const Views& views, std::size_t num_texels) {
-    return ordered_reduce<std::size_t>(num_texels, 0, [&](std::size_t i) {
-        return std::size_t(std::any_of(views.begin(), views.end(), [i](const auto& view) {
-            return view[i].state != ViewState::hidden;
-        }));
-    });
-}
-
 // What one lamp shows of each texel through any of the cameras; bits.
-std::vector<std::uint8_t> lamp_shows(const Capture& capture,
-                                     const Tracer& tracer,
-                                     const Views& views,
+std::vector<std::uint8_t> lamp_shows(const RigView& rig,
                                      const Light& light,
+                                     const std::vector<DirectLight>& direct,
                                      const CoverOptions& options) {
-    const std::vector<Texel>& texels = capture.atlas.texels;
-    const std::vector<DirectLight> direct =
-        direct_light({&capture.mesh, &tracer}, capture.atlas, light);
+    const std::vector<Texel>& texels = rig.capture().atlas.texels;
+    const std::vector<Camera>& cameras = rig.capture().description.cameras;
+    const LookLimits limits = options.limits();
     std::vector<std::uint8_t> shows(texels.size(), 0);
-    for (std::size_t camera = 0; camera < views.size(); ++camera) {
-        if (!may_go_together(capture.description.cameras[camera], light)) continue;
+    for (std::size_t camera = 0; camera < cameras.size(); ++camera) {
+        if (!may_go_together(cameras[camera], light)) continue;
         parallel_for(texels.size(), [&](std::size_t i) {
-            shows[i] |= look_shows(options, texels[i].point.normal, direct[i], views[camera][i]);
+            shows[i] |= look_shows(
+                options, limits, texels[i].point.normal, direct[i], rig.views(camera)[i]);
         });
     }
     return shows;
-}
-
-bool is_taken(const CoverOptions& options, std::size_t light) {
-    return std::find(options.taken.begin(), options.taken.end(), light) != options.taken.end();
 }
 
 // Counts how many of the lamps added so far show each texel, up to the number needed.
@@ -179,18 +138,47 @@ struct Pick {
     std::uint64_t gain = 0;
 };
 
-// The candidate with the largest gain, ties to the lower index.
-Pick best_pick(const Cover& cover, const std::vector<std::size_t>& candidates) {
-    std::vector<std::uint64_t> gains(candidates.size());
-    parallel_for(
-        candidates.size(), [&](std::size_t k) { gains[k] = cover.gain(candidates[k]); }, 1);
-    const auto best = std::max_element(gains.begin(), gains.end());
-    return {candidates[std::size_t(best - gains.begin())], *best};
-}
+// The candidates that are left. A gain never grows as lamps are taken, so the last one found of a
+// lamp bounds what it is now, and only lamps whose bound is the largest need another look.
+class LazyGains {
+  public:
+    LazyGains(const Cover& cover, std::vector<std::size_t> candidates)
+        : candidates_(std::move(candidates)),
+          bounds_(candidates_.size()),
+          is_fresh_(candidates_.size(), 1) {
+        parallel_for(
+            candidates_.size(), [&](std::size_t k) { bounds_[k] = cover.gain(candidates_[k]); }, 1);
+    }
+
+    [[nodiscard]] bool empty() const { return candidates_.empty(); }
+
+    // The candidate with the largest gain, ties to the lower index.
+    [[nodiscard]] Pick best(const Cover& cover) {
+        for (;;) {
+            const auto top = std::max_element(bounds_.begin(), bounds_.end());
+            const auto k = std::size_t(top - bounds_.begin());
+            if (is_fresh_[k] != 0) return {candidates_[k], *top};
+            *top = cover.gain(candidates_[k]);
+            is_fresh_[k] = 1;
+        }
+    }
+
+    // After the light was added to the cover.
+    void take(std::size_t light) {
+        const auto found = std::find(candidates_.begin(), candidates_.end(), light);
+        bounds_.erase(bounds_.begin() + (found - candidates_.begin()));
+        candidates_.erase(found);
+        is_fresh_.assign(candidates_.size(), 0);
+    }
+
+  private:
+    std::vector<std::size_t> candidates_;  // ascending
+    std::vector<std::uint64_t> bounds_;
+    std::vector<std::uint8_t> is_fresh_;
+};
 
 struct Choice {
     std::vector<std::size_t> chosen;
-    std::vector<MeasurableShare> shares;  // after each
     std::optional<NextLamp> next;
     CoverStop stop = CoverStop::no_candidates;
 };
@@ -203,20 +191,23 @@ Choice choose_from(std::vector<std::size_t> candidates,
                    const CoverOptions& options) {
     Choice choice;
     const double min_gain = options.min_gain * double(measurability.num_seen);
-    while (!candidates.empty()) {
-        const Pick pick = best_pick(cover, candidates);
+    LazyGains gains(cover, std::move(candidates));
+    while (!gains.empty()) {
+        const Pick pick = gains.best(cover);
         const bool enough = cover.reaches(options.enough, all);
+        const bool full = options.max_lamps > 0 && choice.chosen.size() == options.max_lamps;
         Cover with = cover;
         with.add(pick.light);
-        if (enough || pick.gain == 0 || double(pick.gain) < min_gain) {
-            choice.stop = enough ? CoverStop::enough : CoverStop::small_gain;
+        if (enough || full || pick.gain == 0 || double(pick.gain) < min_gain) {
+            choice.stop = enough ? CoverStop::enough
+                          : full ? CoverStop::max_lamps
+                                 : CoverStop::small_gain;
             choice.next = NextLamp{pick.light, with.share()};
             return choice;
         }
         cover = std::move(with);
         choice.chosen.push_back(pick.light);
-        choice.shares.push_back(cover.share());
-        std::erase(candidates, pick.light);
+        gains.take(pick.light);
     }
     if (cover.reaches(options.enough, all)) choice.stop = CoverStop::enough;
     return choice;
@@ -250,39 +241,38 @@ void validate(const CoverOptions& options, std::size_t num_lights) {
     }
 }
 
-Measurability measure_candidates(const Capture& capture,
+Measurability measure_candidates(const RigView& rig,
                                  const CoverOptions& options,
-                                 Progress& progress) {
-    const CaptureDescription& description = capture.description;
+                                 Progress& progress,
+                                 const LampVisit& visit) {
+    const CaptureDescription& description = rig.capture().description;
     const std::size_t num_lights = description.lights.size();
     validate(options, num_lights);
-    const std::vector<std::uint8_t> eligible = may_be_chosen(description);
     Measurability result;
-    for (std::size_t light = 0; light < num_lights; ++light) {
-        if (eligible[light] != 0 && !is_taken(options, light)) result.candidates.push_back(light);
-    }
-    if (result.candidates.empty()) {
-        throw Error(description.file.string(), "lights", "hold no candidate", "at least one");
-    }
+    result.candidates = candidate_lights(description, options.taken);
+    std::vector<std::size_t> counted = result.candidates;
+    counted.insert(counted.end(), options.taken.begin(), options.taken.end());
+    std::sort(counted.begin(), counted.end());
 
-    progress.begin_stage("views and lamps", description.cameras.size() + num_lights, "views");
-    const Tracer tracer(capture.mesh);
-    const Views views = view_from_all(capture, tracer, progress);
-    result.num_seen = count_seen(views, capture.atlas.texels.size());
-    if (result.num_seen == 0) {
-        throw Error(description.file.string(), "cameras", "see no texel", "a view of the surface");
-    }
+    progress.begin_stage("lamps", counted.size(), "lamps");
+    result.num_seen = rig.seen().size();
     result.shows.resize(num_lights);
-    for (std::size_t light = 0; light < num_lights; ++light) {
-        if (eligible[light] != 0 || is_taken(options, light)) {
-            result.shows[light] =
-                lamp_shows(capture, tracer, views, description.lights[light], options);
-        }
+    for (const std::size_t light : counted) {
+        const std::vector<DirectLight> direct = rig.direct(description.lights[light]);
+        result.shows[light] = lamp_shows(rig, description.lights[light], direct, options);
+        if (visit) visit(light, direct);
         progress.advance(1);
     }
     progress.end_stage(std::to_string(result.candidates.size()) + " candidates, " +
                        std::to_string(result.num_seen) + " texels seen");
     return result;
+}
+
+Measurability measure_candidates(const Capture& capture,
+                                 const CoverOptions& options,
+                                 Progress& progress) {
+    validate(options, capture.description.lights.size());
+    return measure_candidates(RigView(capture, progress), options, progress);
 }
 
 std::uint64_t coverage(const Measurability& measurability,
@@ -293,34 +283,68 @@ std::uint64_t coverage(const Measurability& measurability,
     return cover.sum();
 }
 
-LightPlan choose_lights(const Measurability& measurability, const CoverOptions& options) {
-    const auto cover_of = [&](std::uint8_t components, const std::vector<std::size_t>& more) {
-        Cover cover(measurability, options, components);
-        for (const std::size_t light : options.taken) cover.add(light);
-        for (const std::size_t light : more) cover.add(light);
-        return cover;
-    };
-    const auto choose = [&](std::uint8_t components, std::vector<std::size_t> candidates) {
-        return choose_from(std::move(candidates),
-                           cover_of(components, {}),
-                           cover_of(components, measurability.candidates),
-                           measurability,
-                           options);
-    };
-    constexpr std::uint8_t kBoth = kShowsDiffuse | kShowsSpecular;
-    Choice both = choose(kBoth, measurability.candidates);
-    std::vector<std::size_t> chosen_ascending = both.chosen;
-    std::sort(chosen_ascending.begin(), chosen_ascending.end());
+namespace {
 
+constexpr std::uint8_t kBoth = kShowsDiffuse | kShowsSpecular;
+
+// The lamps taken already and some more.
+Cover cover_of(const Measurability& measurability,
+               const CoverOptions& options,
+               std::uint8_t components,
+               std::span<const std::size_t> more) {
+    Cover cover(measurability, options, components);
+    for (const std::size_t light : options.taken) cover.add(light);
+    for (const std::size_t light : more) cover.add(light);
+    return cover;
+}
+
+Choice choose_components(const Measurability& measurability,
+                         const CoverOptions& options,
+                         std::uint8_t components,
+                         std::vector<std::size_t> candidates) {
+    return choose_from(std::move(candidates),
+                       cover_of(measurability, options, components, {}),
+                       cover_of(measurability, options, components, measurability.candidates),
+                       measurability,
+                       options);
+}
+
+}  // namespace
+
+std::vector<MeasurableShare> shares_of(const Measurability& measurability,
+                                       const CoverOptions& options,
+                                       std::span<const std::size_t> lights) {
+    Cover cover = cover_of(measurability, options, kBoth, {});
+    std::vector<MeasurableShare> shares = {cover.share()};
+    for (const std::size_t light : lights) {
+        cover.add(light);
+        shares.push_back(cover.share());
+    }
+    return shares;
+}
+
+LightPlan describe_choice(const Measurability& measurability,
+                          const CoverOptions& options,
+                          std::vector<std::size_t> chosen) {
     LightPlan plan;
     plan.candidates = measurability.candidates;
-    plan.chosen_for_diffuse = choose(kShowsDiffuse, std::move(chosen_ascending)).chosen;
-    plan.share_before = cover_of(kBoth, {}).share();
-    plan.share_with_all = cover_of(kBoth, measurability.candidates).share();
-    plan.chosen = std::move(both.chosen);
-    plan.shares = std::move(both.shares);
-    plan.next = both.next;
     plan.num_seen = measurability.num_seen;
+    std::vector<std::size_t> ascending = chosen;
+    std::sort(ascending.begin(), ascending.end());
+    plan.chosen_for_diffuse =
+        choose_components(measurability, options, kShowsDiffuse, std::move(ascending)).chosen;
+    plan.shares = shares_of(measurability, options, chosen);
+    plan.share_before = plan.shares.front();
+    plan.shares.erase(plan.shares.begin());
+    plan.share_with_all = cover_of(measurability, options, kBoth, measurability.candidates).share();
+    plan.chosen = std::move(chosen);
+    return plan;
+}
+
+LightPlan choose_lights(const Measurability& measurability, const CoverOptions& options) {
+    Choice both = choose_components(measurability, options, kBoth, measurability.candidates);
+    LightPlan plan = describe_choice(measurability, options, std::move(both.chosen));
+    plan.next = both.next;
     plan.stop = both.stop;
     return plan;
 }

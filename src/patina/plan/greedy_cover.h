@@ -9,9 +9,12 @@
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
 #include "patina/math/types.h"
+#include "patina/plan/rig_view.h"
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -28,7 +31,12 @@ struct CoverOptions {
     int diffuse_need = 1;        // lamps that must show it without; in [1, 255]
     double min_gain = 0.005;     // stop when a lamp adds less, share of the seen texels [-]; >= 0
     double enough = 0.95;  // stop at this share of what all candidates can measure [-]; in (0, 1]
+    std::size_t max_lamps = 0;       // choose no more; 0: no limit
     std::vector<std::size_t> taken;  // lights already shot: they count, and are not chosen again
+
+    [[nodiscard]] LookLimits limits() const {
+        return {std::cos(max_light_angle), std::cos(max_view_angle)};
+    }
 };
 
 // Throws Error. Options are named as on the command line. num_lights: of the capture.
@@ -51,7 +59,7 @@ struct MeasurableShare {
     double specular = 0;
 };
 
-enum class CoverStop { enough, small_gain, no_candidates };
+enum class CoverStop { enough, small_gain, max_lamps, no_candidates };
 
 // The next best lamp after the last one chosen, and what it would bring.
 struct NextLamp {
@@ -82,6 +90,13 @@ struct LightPlan {
 // that does). A lamp shows a texel where it is lit, clear of shadow edges and silhouettes, and
 // within the angle limits. Lights that only held-out shots use are no candidates. Throws Error when
 // there is no candidate, or no camera sees the surface.
+// visit: called with every lamp that counts, in ascending order, and its light at every texel, so
+// that whoever else needs that light need not trace it again.
+using LampVisit = std::function<void(std::size_t light, const std::vector<DirectLight>& direct)>;
+[[nodiscard]] Measurability measure_candidates(const RigView& rig,
+                                               const CoverOptions& options,
+                                               Progress& progress,
+                                               const LampVisit& visit = {});
 [[nodiscard]] Measurability measure_candidates(const Capture& capture,
                                                const CoverOptions& options,
                                                Progress& progress);
@@ -97,6 +112,17 @@ struct LightPlan {
 // `enough` or the gain falls below `min_gain`.
 [[nodiscard]] LightPlan choose_lights(const Measurability& measurability,
                                       const CoverOptions& options);
+
+// What a choice that was made otherwise makes measurable: all but next and stop. chosen:
+// candidates, in the order of choice.
+[[nodiscard]] LightPlan describe_choice(const Measurability& measurability,
+                                        const CoverOptions& options,
+                                        std::vector<std::size_t> chosen);
+
+// What the lights make measurable: entry n with the first n of them, besides those taken already.
+[[nodiscard]] std::vector<MeasurableShare> shares_of(const Measurability& measurability,
+                                                     const CoverOptions& options,
+                                                     std::span<const std::size_t> lights);
 
 // Both steps. capture: of a rig or of a capture; only its geometry, cameras and lights are used.
 [[nodiscard]] LightPlan plan_lights(const Capture& capture,

@@ -7,6 +7,10 @@
 
 namespace patina {
 
+Vec3 direction_to(const Light& light, const Vec3& p_world) {
+    return sample_light(light, p_world, 0).w_i;
+}
+
 LightSample sample_light(const Light& light, const Vec3& p_world, double azimuth) {
     const auto in_world = [&](const Vec3& v) {
         return light.frame == FrameOfReference::scanner ? rotate_about_y(azimuth, v) : v;

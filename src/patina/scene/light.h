@@ -34,6 +34,9 @@ struct LightSample {
     Rgb irradiance = Rgb::Zero();  // on a plane facing the light [radiance x sr]
 };
 
+// Unit direction from a point towards the light at azimuth 0; +z at the light itself.
+[[nodiscard]] Vec3 direction_to(const Light& light, const Vec3& p_world);
+
 // azimuth [rad]: where the scanner stands, for lights that turn with it; ignored by the others.
 [[nodiscard]] LightSample sample_light(const Light& light, const Vec3& p_world, double azimuth);
 
