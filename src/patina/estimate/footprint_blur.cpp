@@ -2,6 +2,7 @@
 
 #include "patina/base/parallel.h"
 #include "patina/estimate/ring_sums.h"
+#include "patina/scene/grid_neighbors.h"
 
 #include <algorithm>
 #include <array>

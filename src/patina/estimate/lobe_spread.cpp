@@ -1,6 +1,7 @@
 #include "patina/estimate/lobe_spread.h"
 
 #include "patina/base/parallel.h"
+#include "patina/scene/grid_neighbors.h"
 
 #include <optional>
 

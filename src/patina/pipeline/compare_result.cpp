@@ -8,7 +8,9 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace patina {
 namespace {
@@ -93,6 +95,13 @@ DifferenceSums difference_of(const ShotPair& pair) {
     return sums;
 }
 
+// Looks at a pixel's surface: one per used shot of the same camera.
+double used_looks(const CaptureDescription& description, std::size_t camera) {
+    double looks = 0;
+    for (const Shot& shot : description.shots) looks += !shot.heldout && shot.camera == camera;
+    return looks;
+}
+
 // Radiance of level 255 such that `values` have their 99th percentile at level 230.
 double default_white(std::vector<double> values) {
     if (values.empty()) return 1;
@@ -153,12 +162,28 @@ Comparison compare_maps(const Capture& capture,
     std::vector<DifferenceSums> sums(shots.size());
     std::vector<std::optional<ShotPair>> pairs(shots.size());
     std::vector<double> used_values;
-    for (std::size_t i = 0; i < shots.size(); ++i) {
+    ResidualNoise noise;
+    PredictionSums prediction;
+    // The used ones first: they say what the others may differ by.
+    std::vector<std::size_t> order(shots.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::stable_partition(
+        order.begin(), order.end(), [&](std::size_t i) { return !shots[i].heldout; });
+    for (const std::size_t i : order) {
         ShotPair pair =
             make_pair(capture, renderer, i, render_options(options, shots[i]), progress);
         sums[i] = difference_of(pair);
-        if (!shots[i].heldout) {
-            for_each_value(pair, [&](double real, double) { used_values.push_back(real); });
+        if (shots[i].heldout) {
+            const double factor = fitted_share(used_looks(capture.description, shots[i].camera));
+            for_each_value(pair, [&](double real, double synthetic) {
+                const double variance = noise.variance(synthetic, factor);
+                if (variance > 0) prediction.add(real - synthetic, variance);
+            });
+        } else {
+            for_each_value(pair, [&](double real, double synthetic) {
+                used_values.push_back(real);
+                noise.add(synthetic, real - synthetic);
+            });
         }
         const bool is_wanted = folder || (options.keep_heldout && shots[i].heldout);
         if (is_wanted) pairs[i] = std::move(pair);
@@ -186,6 +211,7 @@ Comparison compare_maps(const Capture& capture,
     }
     comparison.shots = used.result(comparison.white);
     comparison.heldout = heldout.result(comparison.white);
+    comparison.prediction = prediction.result();
     if (capture.description.truth) {
         comparison.truth = compare_with_truth(maps, load_truth(capture.description));
     }

@@ -7,6 +7,7 @@
 #include "patina/capture/json.h"
 #include "patina/capture/result_folder.h"
 #include "patina/pipeline/options.h"
+#include "patina/pipeline/prediction_check.h"
 #include "patina/pipeline/shot_renderer.h"
 
 #include <filesystem>
@@ -69,6 +70,8 @@ struct Comparison {
     std::vector<ShotComparison> per_shot;
     std::optional<ImageComparison> shots;  // the used ones; nothing where no pixel counts
     std::optional<ImageComparison> heldout;
+    // The held-out shots against the spread of the used ones; nothing without both.
+    std::optional<PredictionCheck> prediction;
     struct Truth {
         std::optional<MapComparison> diffuse;    // over texels of status 1 and 2, three channels
         std::optional<MapComparison> specular;   // over texels of status 1

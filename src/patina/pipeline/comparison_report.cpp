@@ -54,7 +54,15 @@ Json comparison_json(const Comparison& comparison) {
     json.set("name", Json(comparison.name));
     json.set("white", Json(comparison.white));
     if (comparison.shots) json.set("shots", image_json(*comparison.shots));
-    if (comparison.heldout) json.set("heldout", image_json(*comparison.heldout));
+    if (comparison.heldout) {
+        Json heldout = image_json(*comparison.heldout);
+        if (const auto& check = comparison.prediction) {
+            heldout.set("reduced_chi_square", Json(check->reduced_chi_square));
+            heldout.set("coverage68", Json(check->coverage68));
+            heldout.set("coverage95", Json(check->coverage95));
+        }
+        json.set("heldout", std::move(heldout));
+    }
     if (comparison.truth) {
         Json truth = Json::object();
         const auto add = [&](const char* name, const std::optional<MapComparison>& map) {
@@ -87,6 +95,14 @@ std::string comparison_text(const Comparison& comparison) {
         fmt::format("|synthetic - real| in 8-bit levels; level 255 is the radiance {:.6g}\n\n",
                     comparison.white) +
         images.text();
+    if (const auto& check = comparison.prediction) {
+        text += fmt::format(
+            "\nheld-out pixels against the spread of the used ones: reduced chi-square {:.2f}, "
+            "{:.1f} % in 68 %, {:.1f} % in 95 %\n",
+            check->reduced_chi_square,
+            100 * check->coverage68,
+            100 * check->coverage95);
+    }
     if (comparison.truth) {
         TextTable truth({"truth",
                          " mean error",

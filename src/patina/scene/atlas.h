@@ -3,7 +3,6 @@
 
 #include "patina/scene/mesh.h"
 
-#include <array>
 #include <cstdint>
 #include <limits>
 #include <vector>
@@ -49,10 +48,5 @@ struct TexelAtlas {
 // Gives each texel of a cylindrical range image the azimuth of its column [rad].
 struct RangeFrame;
 void set_scanner_columns(TexelAtlas& atlas, const RangeFrame& frame);
-
-// The neighbours to the left, to the right, above and below in the texel domain, kNoTexel where the
-// surface has none there.
-using GridNeighbors = std::array<TexelId, 4>;
-[[nodiscard]] GridNeighbors grid_neighbors(const TexelAtlas& atlas, std::size_t texel);
 
 }  // namespace patina
