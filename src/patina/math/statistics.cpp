@@ -11,6 +11,23 @@
 namespace patina {
 namespace {
 
+// Places in the sorted order, from 0; equal values get the mean of theirs.
+std::vector<double> ranks(std::span<const double> values) {
+    std::vector<std::size_t> order(values.size());
+    std::iota(order.begin(), order.end(), std::size_t(0));
+    std::sort(order.begin(), order.end(), [&](std::size_t i, std::size_t j) {
+        return values[i] < values[j];
+    });
+    std::vector<double> result(values.size());
+    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
+        while (end < order.size() && values[order[end]] == values[order[begin]]) ++end;
+        for (std::size_t k = begin; k < end; ++k) {
+            result[order[k]] = 0.5 * double(begin + end - 1);
+        }
+    }
+    return result;
+}
+
 constexpr double kSmallestPoolExpectation = 5.0;
 constexpr int kMaxSeriesTerms = 10000;
 constexpr double kSeriesTolerance = 1e-15;
@@ -73,6 +90,20 @@ Moments moments(std::span<const double> values) {
     for (const double value : values) sum += (value - result.mean) * (value - result.mean);
     result.variance = sum / count;
     return result;
+}
+
+double rank_correlation(std::span<const double> a, std::span<const double> b) {
+    PATINA_CHECK_EQ(a.size(), b.size());
+    const std::vector<double> first = ranks(a);
+    const std::vector<double> second = ranks(b);
+    const Moments first_moments = moments(first);
+    const Moments second_moments = moments(second);
+    if (!(first_moments.variance > 0) || !(second_moments.variance > 0)) return 0;
+    double sum = 0;
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        sum += (first[i] - first_moments.mean) * (second[i] - second_moments.mean);
+    }
+    return sum / double(first.size()) / std::sqrt(first_moments.variance * second_moments.variance);
 }
 
 double normal_cdf(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }

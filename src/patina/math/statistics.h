@@ -18,6 +18,10 @@ struct Moments {
 };
 [[nodiscard]] Moments moments(std::span<const double> values);
 
+// Spearman's rank correlation of pairs [-]; equal values share their mean rank. 0 where either side
+// has one value only. Both of the same length.
+[[nodiscard]] double rank_correlation(std::span<const double> a, std::span<const double> b);
+
 // Standard normal distribution function and its inverse (Acklam's rational approximation with one
 // Newton step; relative error below 1e-12).
 [[nodiscard]] double normal_cdf(double z);

@@ -33,6 +33,21 @@ TEST(Moments, OfNothingAreZero) {
     EXPECT_EQ(moments({}).variance, 0);
 }
 
+TEST(RankCorrelation, SeesAnyRisingOrFallingRelation) {
+    const std::vector<double> x = {1, 2, 3, 4};
+    EXPECT_DOUBLE_EQ(rank_correlation(x, std::vector<double>{1, 10, 100, 1000}), 1);
+    EXPECT_DOUBLE_EQ(rank_correlation(x, std::vector<double>{4, 1, 0, -9}), -1);
+    // Ranks 0 1 2 3 and 1 0 3 2: 1 - 6 * 4 / (4 * 15).
+    EXPECT_DOUBLE_EQ(rank_correlation(x, std::vector<double>{2, 1, 4, 3}), 0.6);
+}
+
+TEST(RankCorrelation, SharesRanksOfEqualValues) {
+    const std::vector<double> x = {1, 1, 2, 2};
+    EXPECT_DOUBLE_EQ(rank_correlation(x, std::vector<double>{5, 5, 7, 7}), 1);
+    EXPECT_DOUBLE_EQ(rank_correlation(x, std::vector<double>{5, 7, 5, 7}), 0);
+    EXPECT_EQ(rank_correlation(x, std::vector<double>{5, 5, 5, 5}), 0);
+}
+
 // Values of Abramowitz and Stegun, table 26.1.
 TEST(NormalCdf, MatchesTheTable) {
     EXPECT_DOUBLE_EQ(normal_cdf(0), 0.5);

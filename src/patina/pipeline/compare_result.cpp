@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
@@ -55,6 +56,7 @@ bool is_measured(std::uint8_t status) {
 ShotRenderOptions render_options(const CompareOptions& options, const Shot& shot) {
     ShotRenderOptions render = options.render;
     if (shot.heldout) render.samples_per_pixel *= options.heldout_sample_factor;
+    render.with_lobe_errors = shot.heldout;
     return render;
 }
 
@@ -65,33 +67,46 @@ ShotPair make_pair(const Capture& capture,
                    Progress& progress) {
     RenderedShot rendered = renderer.render(shot, options, progress);
     RadianceImage image = load_radiance(capture.description, shot);
-    ShotPair pair{std::move(image.radiance), std::move(rendered.radiance), image.usable};
-    for (std::size_t i = 0; i < pair.counts.size(); ++i) {
-        if (!is_measured(rendered.status[i])) pair.counts[i] = 0;
+    ShotPair pair{std::move(image.radiance),
+                  std::move(rendered.radiance),
+                  std::move(rendered.status),
+                  std::move(rendered.lobe_variance)};
+    for (std::size_t i = 0; i < pair.status.size(); ++i) {
+        if (image.usable[i] == 0 || !is_measured(pair.status[i])) pair.status[i] = 0;
     }
     return pair;
 }
 
-// Calls use(real, synthetic) for every channel of every pixel that counts, in order.
+// One channel of a pixel that counts.
+struct Value {
+    double real = 0;        // [radiance]
+    double synthetic = 0;   // [radiance]
+    bool has_lobe = false;  // its Ps was measured
+    std::size_t index = 0;  // into the images' data
+};
+
+// Calls use(Value) for every channel of every pixel that counts, in order.
 template <typename Use>
 void for_each_value(const ShotPair& pair, const Use& use) {
-    for (std::size_t i = 0; i < pair.counts.size(); ++i) {
-        if (pair.counts[i] == 0) continue;
-        for (std::size_t channel = 3 * i; channel < 3 * i + 3; ++channel) {
-            use(double(pair.real.data[channel]), double(pair.synthetic.data[channel]));
+    for (std::size_t i = 0; i < pair.status.size(); ++i) {
+        if (pair.status[i] == 0) continue;
+        const bool has_lobe = TexelStatus(pair.status[i]) == TexelStatus::measured;
+        for (std::size_t k = 3 * i; k < 3 * i + 3; ++k) {
+            use(Value{double(pair.real.data[k]), double(pair.synthetic.data[k]), has_lobe, k});
         }
     }
 }
 
 DifferenceSums difference_of(const ShotPair& pair) {
     DifferenceSums sums;
-    for_each_value(pair, [&](double real, double synthetic) {
+    for_each_value(pair, [&](const Value& value) {
+        const double difference = value.synthetic - value.real;
         sums.count += 1;
-        sums.absolute += std::abs(synthetic - real);
-        sums.squared += square(synthetic - real);
-        sums.image += square(real);
+        sums.absolute += std::abs(difference);
+        sums.squared += square(difference);
+        sums.image += square(value.real);
     });
-    for (const std::uint8_t counts : pair.counts) sums.num_pixels += counts != 0 ? 1 : 0;
+    for (const std::uint8_t status : pair.status) sums.num_pixels += status != 0 ? 1 : 0;
     return sums;
 }
 
@@ -116,7 +131,7 @@ void write_pictures(const fs::path& folder,
     write_png(folder / (name + "_real.png"), display_image({pair.real, {}}, white));
     write_png(folder / (name + "_synthetic.png"), display_image({pair.synthetic, {}}, white));
     write_png(folder / (name + "_difference.png"),
-              difference_picture(pair.real, pair.synthetic, pair.counts, white));
+              difference_picture(pair.real, pair.synthetic, pair.status, white));
 }
 
 }  // namespace
@@ -162,7 +177,7 @@ Comparison compare_maps(const Capture& capture,
     std::vector<DifferenceSums> sums(shots.size());
     std::vector<std::optional<ShotPair>> pairs(shots.size());
     std::vector<double> used_values;
-    ResidualNoise noise;
+    std::array<ResidualNoise, 2> noise;  // where Ps was filled, and where it was measured
     PredictionSums prediction;
     // The used ones first: they say what the others may differ by.
     std::vector<std::size_t> order(shots.size());
@@ -174,15 +189,17 @@ Comparison compare_maps(const Capture& capture,
             make_pair(capture, renderer, i, render_options(options, shots[i]), progress);
         sums[i] = difference_of(pair);
         if (shots[i].heldout) {
-            const double factor = fitted_share(used_looks(capture.description, shots[i].camera));
-            for_each_value(pair, [&](double real, double synthetic) {
-                const double variance = noise.variance(synthetic, factor);
-                if (variance > 0) prediction.add(real - synthetic, variance);
+            const double looks = used_looks(capture.description, shots[i].camera);
+            for_each_value(pair, [&](const Value& value) {
+                const double variance = noise[value.has_lobe].variance(
+                                            value.synthetic, fitted_share(looks, value.has_lobe)) +
+                                        double(pair.lobe_variance.data[value.index]);
+                if (variance > 0) prediction.add(value.real - value.synthetic, variance);
             });
         } else {
-            for_each_value(pair, [&](double real, double synthetic) {
-                used_values.push_back(real);
-                noise.add(synthetic, real - synthetic);
+            for_each_value(pair, [&](const Value& value) {
+                used_values.push_back(value.real);
+                noise[value.has_lobe].add(value.synthetic, value.real - value.synthetic);
             });
         }
         const bool is_wanted = folder || (options.keep_heldout && shots[i].heldout);

@@ -46,6 +46,7 @@ struct MapComparison {
     double rmse = 0;                            // [-]; of roughness [rad]
     double coverage68 = 0;                      // share of truth inside the interval [-]
     double coverage95 = 0;
+    double error_rank_correlation = 0;  // Spearman's, of standard errors and |estimate - truth| [-]
     std::size_t num_texels = 0;
 };
 
@@ -53,7 +54,8 @@ struct MapComparison {
 struct ShotPair {
     Image real;
     Image synthetic;
-    std::vector<std::uint8_t> counts;
+    std::vector<std::uint8_t> status;  // TexelStatus::measured or diffuse_measured; 0: leave it out
+    Image lobe_variance;               // of synthetic [radiance^2]; empty for used shots
 };
 
 struct ShotComparison {
@@ -70,7 +72,8 @@ struct Comparison {
     std::vector<ShotComparison> per_shot;
     std::optional<ImageComparison> shots;  // the used ones; nothing where no pixel counts
     std::optional<ImageComparison> heldout;
-    // The held-out shots against the spread of the used ones; nothing without both.
+    // The held-out shots against the spread of the used ones and the errors of lobes; nothing
+    // without both.
     std::optional<PredictionCheck> prediction;
     struct Truth {
         std::optional<MapComparison> diffuse;    // over texels of status 1 and 2, three channels

@@ -22,6 +22,7 @@ Json truth_json(const MapComparison& comparison) {
     json.set("rmse", Json(comparison.rmse));
     json.set("coverage68", Json(comparison.coverage68));
     json.set("coverage95", Json(comparison.coverage95));
+    json.set("error_rank_correlation", Json(comparison.error_rank_correlation));
     json.set("texels", Json(std::int64_t(comparison.num_texels)));
     return json;
 }
@@ -44,6 +45,7 @@ void add_row(TextTable& table,
                fmt::format("{:.4f}", comparison->rmse),
                fmt::format("{:.1f} %", 100 * comparison->coverage68),
                fmt::format("{:.1f} %", 100 * comparison->coverage95),
+               fmt::format("{:.2f}", comparison->error_rank_correlation),
                fmt::format("{}", comparison->num_texels)});
 }
 
@@ -110,6 +112,7 @@ std::string comparison_text(const Comparison& comparison) {
                          " RMSE",
                          " in 68 %",
                          " in 95 %",
+                         " rank correlation",
                          " texels"});
         add_row(truth, "diffuse", comparison.truth->diffuse);
         add_row(truth, "specular", comparison.truth->specular);

@@ -10,7 +10,6 @@ namespace {
 
 constexpr double kDarkest = 1e-4;  // radiance of the first bin
 constexpr double kBinsPerOctave = 2;
-constexpr double kParametersPerChannel = 1 + 2.0 / 3;
 
 }  // namespace
 
@@ -48,8 +47,9 @@ std::optional<PredictionCheck> PredictionSums::result() const {
     return PredictionCheck{squares_ / count_, narrow_ / count_, wide_ / count_};
 }
 
-double fitted_share(double looks) {
-    return looks > kParametersPerChannel + 1 ? looks / (looks - kParametersPerChannel) : 1;
+double fitted_share(double looks, bool with_lobe) {
+    const double parameters = with_lobe ? 1 + 2.0 / 3 : 1;
+    return looks > parameters + 1 ? looks / (looks - parameters) : 1;
 }
 
 }  // namespace patina

@@ -8,7 +8,8 @@
 namespace patina {
 
 // Variance of real - synthetic as a function of brightness, from the used shots: the mean square in
-// bins of the synthetic radiance, half an octave each.
+// bins of the synthetic radiance, half an octave each. One for texels whose lobe was fitted to
+// their looks, another for the rest: the two err differently.
 class ResidualNoise {
   public:
     void add(double synthetic, double residual);
@@ -44,7 +45,7 @@ class PredictionSums {
 };
 
 // n / (n - p): what a fit of p parameters to n looks takes off the residuals. Per channel: Pd, and
-// a third of Ps and sigma. 1 where there are too few looks to say.
-[[nodiscard]] double fitted_share(double looks);
+// with_lobe a third of Ps and sigma. 1 where there are too few looks to say.
+[[nodiscard]] double fitted_share(double looks, bool with_lobe);
 
 }  // namespace patina

@@ -56,8 +56,9 @@ TEST(PredictionCheck, TakesTheNearestBrightnessThatIsKnown) {
 }
 
 TEST(PredictionCheck, CountsWhatFittingTakesOff) {
-    EXPECT_NEAR(fitted_share(10), 10 / (10 - 5.0 / 3), 1e-12);
-    EXPECT_EQ(fitted_share(2), 1);
+    EXPECT_NEAR(fitted_share(10, true), 10 / (10 - 5.0 / 3), 1e-12);
+    EXPECT_NEAR(fitted_share(10, false), 10.0 / 9, 1e-12);
+    EXPECT_EQ(fitted_share(2, true), 1);
     EXPECT_FALSE(PredictionSums().result().has_value());
 }
 

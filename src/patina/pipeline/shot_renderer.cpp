@@ -7,6 +7,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 
 namespace patina {
@@ -17,6 +18,8 @@ constexpr std::size_t kPixelBlock = 64;
 // Every pixel of every shot has two streams of random numbers.
 enum class Stream : std::uint64_t { footprint = 0, light = 1 };
 constexpr std::uint64_t kNumStreams = 2;
+// Samples of a pixel that show what the maps' errors do to it: lobes vary little across a pixel.
+constexpr int kErrorSamples = 4;
 
 // What one sample of a pixel shows.
 struct Footprint {
@@ -31,11 +34,14 @@ class PixelRenderer {
                   const Surface& surface,
                   const UvLocator& locator,
                   std::span<const Reflectance> reflectance,
+                  std::span<const LobeError> errors,
                   std::size_t shot,
                   const ShotRenderOptions& options)
         : capture_(capture),
           surface_(surface),
           locator_(locator),
+          reflectance_(reflectance),
+          errors_(errors),
           field_(ReflectanceField::per_texel(capture.mesh, capture.atlas, reflectance)),
           camera_(capture.description.cameras[capture.description.shots[shot].camera]),
           shot_(shot),
@@ -43,16 +49,19 @@ class PixelRenderer {
         for (const std::size_t light : capture.description.shots[shot].lights) {
             lights_.push_back(capture.description.lights[light]);
         }
+        if (options.with_lobe_errors) collect_used_lights();
     }
 
     struct Pixel {
         Rgb radiance = Rgb::Zero();
         std::uint8_t status = 0;
+        Rgb lobe_variance = Rgb::Zero();
     };
     // status: per texel of the atlas.
     [[nodiscard]] Pixel render(int column, int row, std::span<const std::uint8_t> status) const {
         const double azimuth = scanner_azimuth(column);
         Pixel pixel;
+        ErrorSums errors;
         int num_seen = 0;
         for (int sample = 0; sample < options_.samples_per_pixel; ++sample) {
             const auto jitter = sampler(column, row, Stream::footprint, sample).next_pair();
@@ -61,6 +70,9 @@ class PixelRenderer {
             ++num_seen;
             if (shown->texel != kNoTexel) {
                 pixel.status = std::max(pixel.status, status[shown->texel]);
+                if (options_.with_lobe_errors && errors.count < kErrorSamples) {
+                    add_errors(*shown, azimuth, errors);
+                }
             }
             auto numbers = sampler(column, row, Stream::light, sample);
             const OutgoingRadiance radiance = trace_path(surface_,
@@ -73,10 +85,82 @@ class PixelRenderer {
                                                          numbers);
             pixel.radiance += radiance.direct + radiance.indirect;
         }
+        pixel.lobe_variance = errors.variance();
         return finish(pixel, num_seen);
     }
 
   private:
+    // Of the used shots of the same camera.
+    void collect_used_lights() {
+        const CaptureDescription& description = capture_.description;
+        std::vector<std::uint8_t> used(description.lights.size(), 0);
+        for (const Shot& shot : description.shots) {
+            if (shot.heldout || shot.camera != description.shots[shot_].camera) continue;
+            for (const std::size_t light : shot.lights) used[light] = 1;
+        }
+        for (std::size_t i = 0; i < used.size(); ++i) {
+            if (used[i] != 0) used_lights_.push_back(description.lights[i]);
+        }
+    }
+
+    // Change of the radiance by one standard error of Ps and of sigma, summed over samples.
+    struct ErrorSums {
+        Rgb specular = Rgb::Zero();
+        Rgb roughness = Rgb::Zero();
+        int count = 0;
+
+        [[nodiscard]] Rgb variance() const {
+            return (specular.square() + roughness.square()) / square(std::max(count, 1));
+        }
+    };
+
+    // Irradiance of a light and the lobe per Ps there; nothing where it does not shine.
+    struct LitLobe {
+        Rgb irradiance = Rgb::Zero();
+        LobeDerivative lobe;
+    };
+    [[nodiscard]] LitLobe lit_lobe(const Light& light,
+                                   const Footprint& shown,
+                                   double azimuth,
+                                   double roughness) const {
+        const LightSample sample = sample_light(light, shown.point.position, azimuth);
+        if (!is_lit(surface_, shown.point, sample)) return {};
+        const Vec3& n = shown.point.normal;
+        const double cos_i = n.dot(sample.w_i);
+        return {sample.irradiance * cos_i,
+                lobe_derivative(mirror_angle_squared(n, sample.w_i, shown.w_o),
+                                cos_i,
+                                n.dot(shown.w_o),
+                                roughness)};
+    }
+
+    [[nodiscard]] LobeDerivative deepest_used_look(const Footprint& shown,
+                                                   double azimuth,
+                                                   double roughness) const {
+        LobeDerivative deepest;
+        for (const Light& light : used_lights_) {
+            const LobeDerivative lobe = lit_lobe(light, shown, azimuth, roughness).lobe;
+            deepest.value = std::max(deepest.value, lobe.value);
+            deepest.by_roughness = std::max(deepest.by_roughness, lobe.by_roughness);
+        }
+        return deepest;
+    }
+
+    void add_errors(const Footprint& shown, double azimuth, ErrorSums& sums) const {
+        const Reflectance& map = reflectance_[shown.texel];
+        const LobeError& error = errors_[shown.texel];
+        const LobeDerivative used =
+            error.filled ? deepest_used_look(shown, azimuth, map.roughness) : LobeDerivative();
+        ++sums.count;
+        for (const Light& light : lights_) {
+            const LitLobe lit = lit_lobe(light, shown, azimuth, map.roughness);
+            const double value = std::max(0.0, lit.lobe.value - used.value);
+            const double by_roughness = std::max(0.0, lit.lobe.by_roughness - used.by_roughness);
+            sums.specular += lit.irradiance * error.specular * value;
+            sums.roughness += lit.irradiance * map.specular * error.roughness * by_roughness;
+        }
+    }
+
     [[nodiscard]] bool is_registered() const { return camera_.model == CameraModel::registered; }
 
     // Registered images hold the surface where at least half of the texel shows it; others mix it
@@ -140,12 +224,20 @@ class PixelRenderer {
     const Capture& capture_;
     const Surface& surface_;
     const UvLocator& locator_;
+    std::span<const Reflectance> reflectance_;
+    std::span<const LobeError> errors_;
     ReflectanceField field_;
     const Camera& camera_;
     std::size_t shot_;
     const ShotRenderOptions& options_;
     std::vector<Light> lights_;
+    std::vector<Light> used_lights_;  // empty unless lobe errors are asked for
 };
+
+// Where nothing is known, the value may be off by all of itself.
+double known_error(float standard_error, double value) {
+    return std::isfinite(standard_error) ? double(standard_error) : value;
+}
 
 }  // namespace
 
@@ -164,18 +256,24 @@ ShotRenderer::ShotRenderer(const Capture& capture,
             fmt::format("{} x {}, as the capture", atlas.width, atlas.height));
     }
     reflectance_.reserve(atlas.texels.size());
+    errors_.reserve(atlas.texels.size());
     status_.reserve(atlas.texels.size());
     for (const Texel& texel : atlas.texels) {
         const int x = texel.column;
         const int y = texel.row;
         Reflectance reflectance;
+        LobeError error;
         for (int channel = 0; channel < 3; ++channel) {
             reflectance.diffuse[channel] = double(maps.diffuse.at(x, y, channel));
         }
         reflectance.specular = double(maps.specular.at(x, y));
         reflectance.roughness = std::max(double(maps.roughness.at(x, y)), kMinRoughness);
+        error.specular = known_error(maps.specular_stderr.at(x, y), reflectance.specular);
+        error.roughness = known_error(maps.roughness_stderr.at(x, y), reflectance.roughness);
         reflectance_.push_back(reflectance);
         status_.push_back(std::uint8_t(maps.status.at(x, y)));
+        error.filled = TexelStatus(status_.back()) != TexelStatus::measured;
+        errors_.push_back(error);
     }
 }
 
@@ -183,10 +281,11 @@ RenderedShot ShotRenderer::render(std::size_t shot,
                                   const ShotRenderOptions& options,
                                   Progress& progress) const {
     const Surface surface{&capture_.mesh, &tracer_};
-    const PixelRenderer renderer(capture_, surface, locator_, reflectance_, shot, options);
+    const PixelRenderer renderer(capture_, surface, locator_, reflectance_, errors_, shot, options);
     const Camera& camera = capture_.description.cameras[capture_.description.shots[shot].camera];
     RenderedShot rendered;
     rendered.radiance = Image(camera.width, camera.height, 3);
+    if (options.with_lobe_errors) rendered.lobe_variance = Image(camera.width, camera.height, 3);
     rendered.status.resize(std::size_t(camera.width) * std::size_t(camera.height));
     parallel_blocks(rendered.status.size(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -196,6 +295,10 @@ RenderedShot ShotRenderer::render(std::size_t shot,
             rendered.status[i] = pixel.status;
             for (int channel = 0; channel < 3; ++channel) {
                 rendered.radiance.at(column, row, channel) = float(pixel.radiance[channel]);
+                if (options.with_lobe_errors) {
+                    rendered.lobe_variance.at(column, row, channel) =
+                        float(pixel.lobe_variance[channel]);
+                }
             }
         }
         progress.advance((end - begin) * std::uint64_t(options.samples_per_pixel));

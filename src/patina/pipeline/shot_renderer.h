@@ -16,6 +16,14 @@ namespace patina {
 struct ShotRenderOptions {
     int samples_per_pixel = 64;  // paths; >= 1; powers of two are best
     std::uint64_t seed = 1;
+    bool with_lobe_errors = false;  // RenderedShot::lobe_variance too
+};
+
+// Standard errors of a lobe, finite.
+struct LobeError {
+    double specular = 0;   // of Ps [-]
+    double roughness = 0;  // of sigma [rad]
+    bool filled = false;   // not fitted to looks of its own
 };
 
 struct RenderedShot {
@@ -24,6 +32,12 @@ struct RenderedShot {
     // alone (registered cameras: for at least half of the pixel); the highest where it shows
     // several texels.
     std::vector<std::uint8_t> status;
+    // What the standard errors of Ps and sigma do to each pixel beyond what residuals of used shots
+    // show [radiance^2], three channels. Measured lobes: all of it, for the few looks in a lobe
+    // decide it and leave no residual. Filled ones: by how much deeper this shot looks into the
+    // lobe than any used one. Direct light alone; Ps and sigma err independently, all that one
+    // pixel shows errs alike. Empty unless asked for.
+    Image lobe_variance;
 };
 
 // Keeps references to the capture.
@@ -49,6 +63,7 @@ class ShotRenderer {
     Tracer tracer_;
     UvLocator locator_;
     std::vector<Reflectance> reflectance_;  // per texel of the atlas
+    std::vector<LobeError> errors_;         // per texel of the atlas
     std::vector<std::uint8_t> status_;      // per texel of the atlas
 };
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace patina {
 namespace {
 
@@ -43,10 +45,10 @@ struct FlatScene {
                 Image(kTexels, kTexels, 1, 1.0f)};
     }
 
-    [[nodiscard]] RenderedShot render(const Camera& camera) {
+    [[nodiscard]] RenderedShot render(const Camera& camera, bool with_lobe_errors = false) {
         capture.description.cameras = {camera};
         Progress quiet;
-        return ShotRenderer(capture, maps, "result").render(0, {4, 1}, quiet);
+        return ShotRenderer(capture, maps, "result").render(0, {4, 1, with_lobe_errors}, quiet);
     }
 };
 
@@ -100,6 +102,40 @@ TEST(ShotRenderer, TellsTheStatusOfWhatAPixelShows) {
     EXPECT_EQ(scene.render(registered_camera()).status[1 * kTexels + 2], 3);
     // Texel (2, 1) lies under pixel (3, 2) of the orthographic camera.
     EXPECT_EQ(scene.render(orthographic_camera()).status[2 * 6 + 3], 3);
+}
+
+// From straight above, under light from there, the lobe of Ps = 1 has its peak, 1 / pi.
+TEST(ShotRenderer, CarriesTheErrorsOfLobesThatNoUsedShotShows) {
+    FlatScene scene;
+    scene.capture.description.shots[0].heldout = true;
+    scene.maps.specular_stderr = Image(kTexels, kTexels, 1, 0.2f);
+    EXPECT_TRUE(scene.render(orthographic_camera()).lobe_variance.empty());
+    const RenderedShot shot = scene.render(orthographic_camera(), true);
+    EXPECT_NEAR(shot.lobe_variance.at(3, 2), square(kIrradiance / kPi * 0.2), kRounding);
+    EXPECT_EQ(shot.lobe_variance.at(0, 0), 0);
+}
+
+TEST(ShotRenderer, TakesUnknownLobesToErrByAllOfThemselves) {
+    FlatScene scene;
+    scene.capture.description.shots[0].heldout = true;
+    scene.maps.specular = Image(kTexels, kTexels, 1, 0.3f);
+    scene.maps.specular_stderr = Image(kTexels, kTexels, 1, std::numeric_limits<float>::infinity());
+    const RenderedShot shot = scene.render(orthographic_camera(), true);
+    EXPECT_NEAR(shot.lobe_variance.at(3, 2), square(kIrradiance / kPi * 0.3), kRounding);
+}
+
+// A used shot under the same light has shown the lobe's error in its residuals.
+TEST(ShotRenderer, LeavesOutErrorsOfFilledLobesThatUsedShotsShow) {
+    FlatScene scene;
+    Shot heldout = scene.capture.description.shots[0];
+    heldout.heldout = true;
+    scene.capture.description.shots.insert(scene.capture.description.shots.begin(), heldout);
+    scene.maps.specular_stderr = Image(kTexels, kTexels, 1, 0.2f);
+    scene.maps.status = Image(kTexels, kTexels, 1, 2.0f);
+    EXPECT_EQ(scene.render(orthographic_camera(), true).lobe_variance.at(3, 2), 0);
+    // A lobe that was fitted to that look follows it, whatever it errs.
+    scene.maps.status = Image(kTexels, kTexels, 1, 1.0f);
+    EXPECT_GT(scene.render(orthographic_camera(), true).lobe_variance.at(3, 2), 0);
 }
 
 TEST(ShotRenderer, SeesNothingFromBehind) {

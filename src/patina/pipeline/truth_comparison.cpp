@@ -30,6 +30,10 @@ class TruthSums {
         squared_error_ += square(error);
         truth_ += truth;
         if (truth > 0) relative_.push_back(std::abs(error) / truth);
+        if (std::isfinite(standard_error)) {
+            predicted_.push_back(standard_error);
+            made_.push_back(std::abs(error));
+        }
         if (std::abs(error) <= half_width(kNarrowInterval) * standard_error) ++num_narrow_;
         if (std::abs(error) <= half_width(kWideInterval) * standard_error) ++num_wide_;
     }
@@ -43,6 +47,7 @@ class TruthSums {
         comparison.rmse = std::sqrt(squared_error_ / count);
         comparison.coverage68 = double(num_narrow_) / count;
         comparison.coverage95 = double(num_wide_) / count;
+        comparison.error_rank_correlation = rank_correlation(predicted_, made_);
         comparison.num_texels = num_texels;
         return comparison;
     }
@@ -55,6 +60,8 @@ class TruthSums {
     double squared_error_ = 0;
     double truth_ = 0;
     std::vector<double> relative_;
+    std::vector<double> predicted_;  // standard errors, finite ones
+    std::vector<double> made_;       // the errors' sizes beside them
 };
 
 std::optional<MapComparison> compare_map(const MapsOfOne& maps,

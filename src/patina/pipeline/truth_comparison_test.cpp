@@ -54,6 +54,13 @@ TEST(TruthComparison, CountsTruthInsideTheIntervals) {
     EXPECT_EQ(specular->coverage95, 1.0);
 }
 
+TEST(TruthComparison, RanksErrorsPredictedAndMade) {
+    const Scene scene;
+    // The texel of the larger standard error is the better one.
+    const auto diffuse = compare_with_truth(scene.maps, scene.truth).diffuse;
+    EXPECT_NEAR(diffuse->error_rank_correlation, -1, 1e-12);
+}
+
 TEST(TruthComparison, TakesTheLobeFromStatusOne) {
     const Scene scene;
     const Comparison::Truth truth = compare_with_truth(scene.maps, scene.truth);
