@@ -2,8 +2,11 @@
 
 #include "patina/base/random.h"
 #include "patina/image/image.h"
+#include "patina/scan/render.h"
+#include "patina/scan/sensor.h"
 
 #include <algorithm>
+#include <numeric>
 #include <utility>
 
 namespace patina {
@@ -16,6 +19,39 @@ SimulatedCapture::SimulatedCapture(ObjectKind kind,
     simulate_capture(object, lamps, options, progress, folder_.path());
     capture_ = load_capture(folder_.path());
     truth_ = load_truth(capture_.description);
+}
+
+SimulatedCapture::SimulatedCapture(ObjectKind kind,
+                                   const ScanOptions& options,
+                                   const std::vector<Light>& lamps) {
+    Progress progress;
+    const SimulatedObject object = make_object(kind, options.columns, options.rows);
+    capture_ = simulate_rig(object, options);
+    truth_ = truth_maps(object, options);
+    CaptureDescription& description = capture_.description;
+    description.folder = folder_.path();
+    description.lights = lamps;
+    RenderOptions render;
+    render.samples_per_pixel = options.samples_per_pixel;
+    render.seed = options.seed;
+    render.lamp_numbers.resize(lamps.size());
+    std::iota(render.lamp_numbers.begin(), render.lamp_numbers.end(), 0U);
+    RenderedImages images =
+        render_lamps(object, description.cameras.front(), lamps, render, progress);
+    Shot shot;
+    shot.mask = "mask.png";
+    write_png(folder_ / shot.mask, images.seen);
+    for (std::size_t i = 0; i < lamps.size(); ++i) {
+        shot.image = lamps[i].id + ".exr";
+        shot.lights = {i};
+        add_noise({options.noise_read, options.noise_gain},
+                  images.seen,
+                  options.seed,
+                  i,
+                  images.radiance[i]);
+        write_exr(folder_ / shot.image, images.radiance[i]);
+        description.shots.push_back(shot);
+    }
 }
 
 Estimate SimulatedCapture::estimate(const EstimateOptions& options) const {

@@ -14,9 +14,13 @@ namespace patina {
 // Rendered once, with sensor noise, into a folder that is gone at the end of the test.
 class SimulatedCapture {
   public:
+    // lamps: numbers of candidates.
     SimulatedCapture(ObjectKind kind,
                      const std::vector<std::size_t>& lamps,
                      const ScanOptions& options);
+    // Under lamps of one's own, each with an id, seen by the object's first camera; nothing is held
+    // out.
+    SimulatedCapture(ObjectKind kind, const ScanOptions& options, const std::vector<Light>& lamps);
 
     [[nodiscard]] Estimate estimate(const EstimateOptions& options) const;
 

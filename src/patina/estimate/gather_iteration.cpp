@@ -69,6 +69,7 @@ void GatherIteration::start(Progress& progress) {
 
 void GatherIteration::run(GatherEngine& engine, Progress& progress) {
     progress.begin_stage("method gather", std::uint64_t(options_.max_iterations), "turns");
+    result_.converged = false;
     double previous_error = 0;
     int turn = 0;
     for (; turn < options_.max_iterations && !result_.converged; ++turn) {
@@ -109,6 +110,12 @@ void GatherIteration::set_lamp_factor(double factor) {
         fit.specular_error *= ratio;
     }
     update_maps();
+}
+
+bool GatherIteration::has_lobes() const {
+    return std::any_of(fits_.begin(), fits_.end(), [](const TexelFit& fit) {
+        return fit.observed && fit.specular_measured;
+    });
 }
 
 void GatherIteration::hold() {
@@ -312,7 +319,7 @@ void GatherIteration::fill_specular(std::vector<float>& confidence, std::vector<
         const Reflectance& source = known ? fit.reflectance : result_.maps[i];
         values[i] = source.specular * square(source.roughness);
     }
-    color_fill_->fill(confidence, 0, values);
+    color_fill_->fill(confidence, shared_lobe_, values);
     for (std::size_t i = 0; i < num_texels_; ++i) {
         if (confidence[i] > 0) continue;
         Reflectance& fit = fits_[i].reflectance;

@@ -40,6 +40,10 @@ class GatherIteration {
     // The true intensities of the lamps over the stated ones, 1 at first [-]; > 0. The maps follow
     // so that the direct light that they reflect stays the same.
     void set_lamp_factor(double factor);
+    // Ps sigma^2 of all texels where no lobe was measured anywhere, 0 at first [-]; >= 0.
+    void set_shared_lobe(double specular_albedo) { shared_lobe_ = specular_albedo; }
+    // Whether any texel's Ps was measured in the last turn.
+    [[nodiscard]] bool has_lobes() const;
     // From now on, in frozen turns, the looks have the weights that they have under the present
     // light and maps, but for the lamp factor, and lobes have their present sigma: costs under
     // several factors then compare, and change smoothly.
@@ -89,6 +93,7 @@ class GatherIteration {
     const EstimateOptions& options_;
     std::size_t num_texels_;
     double lamp_factor_ = 1;
+    double shared_lobe_ = 0;
     std::vector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held

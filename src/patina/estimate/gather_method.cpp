@@ -2,6 +2,7 @@
 
 #include "patina/estimate/gather_iteration.h"
 #include "patina/estimate/gather_scale.h"
+#include "patina/estimate/shared_lobe.h"
 
 #include <cmath>
 
@@ -18,6 +19,9 @@ void add_scale_error(double relative_error, Estimate& estimate) {
     }
 }
 
+// Where less of the light than this goes on from bounce to bounce, it tells nothing of a lobe [-].
+constexpr double kBouncesThatTell = 0.02;
+
 // Turns until the maps rest, from looks whose radiances were divided by `lamp_factor`.
 Estimate iterate(const Capture& capture,
                  const SceneView& scene,
@@ -31,6 +35,12 @@ Estimate iterate(const Capture& capture,
     GatherIteration iteration(capture, scene, observations, options);
     iteration.start(progress);
     iteration.run(engine, progress);
+    if (!iteration.has_lobes() && iteration.light().spectral_radius > kBouncesThatTell) {
+        const SharedLobe lobe =
+            measure_shared_lobe(iteration, engine, capture.atlas, scene, observations, progress);
+        iteration.set_shared_lobe(lobe.specular_albedo);
+        iteration.run(engine, progress);
+    }
     Estimate estimate = iteration.finish();
     for (IterationLog& turn : estimate.iterations) turn.error *= square(lamp_factor);
     return estimate;

@@ -1,15 +1,11 @@
 #include "patina/estimate/scale_profile.h"
 
-#include "patina/base/check.h"
 #include "patina/math/bracket.h"
-#include "patina/math/types.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
-#include <numeric>
 #include <optional>
 
 namespace patina {
@@ -26,44 +22,17 @@ constexpr int kMaxSearchSteps = 8;
 // a parabola, and its rise is far above what the trials' tolerance leaves [log].
 constexpr double kArm = 0.1;
 constexpr int kMaxRounds = 3;
-// Trials rest when the maps move by less, relative: a tenth of what they move by between trials of
-// the search, and of those on the arms, where a tenth of the light is bounced [-].
+// Trials of the search rest when the maps move by less, relative: a tenth of what they move by
+// between them, where a tenth of the light is bounced [-].
 constexpr double kSearchTrialTolerance = 2e-2;
-constexpr double kTrialTolerance = 1e-3;
 // Factors under which more of the texels than this would have to reflect more than they get are out
 // of the question.
 constexpr double kMaxClampedShare = 0.05;
 
-struct OneWay {
-    double variance = 0;   // squared sums of the clusters' scores, corrected for few clusters
-    int num_clusters = 0;  // that have scores other than 0
-};
-
-// cluster: of each score, below num_clusters.
-template <typename Cluster>
-OneWay one_way(const std::vector<double>& scores,
-               std::size_t num_clusters,
-               const Cluster& cluster) {
-    std::vector<double> sums(num_clusters, 0.0);
-    std::vector<std::uint8_t> speaks(num_clusters, 0);
-    for (std::size_t i = 0; i < scores.size(); ++i) {
-        sums[cluster(i)] += scores[i];
-        if (scores[i] != 0) speaks[cluster(i)] = 1;
-    }
-    OneWay result;
-    for (std::size_t k = 0; k < num_clusters; ++k) {
-        result.variance += square(sums[k]);
-        result.num_clusters += speaks[k];
-    }
-    const double count = result.num_clusters;
-    if (count > 1) result.variance *= count / (count - 1);
-    return result;
-}
-
 // The lowest point, roughly; nothing if the cost falls up to an end of the range.
-std::optional<double> search(ScaleTrials& trials, double start) {
+std::optional<double> search(ProfileTrials& trials, double start) {
     const auto cost = [&trials](double x) {
-        return trials.try_factor(x, kSearchTrialTolerance).total();
+        return trials.try_at(x, kSearchTrialTolerance).total();
     };
     // Downhill until the cost rises again.
     double x = start + kFirstStep;
@@ -98,60 +67,14 @@ std::optional<double> search(ScaleTrials& trials, double start) {
     return bracket.middle;
 }
 
-// The parabola through three trials about x, and its vertex.
-struct Vertex {
-    double offset = 0;          // of the vertex from x [log]
-    double standard_error = 0;  // of the vertex [log]
-    bool exists = false;
-    double clamped_share = 0;
-};
-
-Vertex vertex_at(ScaleTrials& trials, double x, std::size_t num_lamp_sets) {
-    const ScaleTrial middle = trials.try_factor(x, kTrialTolerance);
-    const ScaleTrial low = trials.try_factor(x - kArm, kTrialTolerance);
-    const ScaleTrial high = trials.try_factor(x + kArm, kTrialTolerance);
-    const std::size_t num_cells = middle.costs.size();
-    std::vector<double> slopes(num_cells);
-    std::vector<double> bends(num_cells);
-    for (std::size_t i = 0; i < num_cells; ++i) {
-        slopes[i] = (high.costs[i] - low.costs[i]) / (2 * kArm);
-        bends[i] = (high.costs[i] - 2 * middle.costs[i] + low.costs[i]) / square(kArm);
-    }
-    const double slope = std::accumulate(slopes.begin(), slopes.end(), 0.0);
-    const double bend = std::accumulate(bends.begin(), bends.end(), 0.0);
-    Vertex vertex;
-    vertex.exists = bend > 0;
-    vertex.clamped_share = middle.clamped_share;
-    if (!vertex.exists) return vertex;
-    vertex.offset = -slope / bend;
-    for (std::size_t i = 0; i < num_cells; ++i) slopes[i] += vertex.offset * bends[i];
-    vertex.standard_error = clustered_deviation(slopes, num_lamp_sets) / bend;
-    return vertex;
-}
-
 }  // namespace
-
-double ScaleTrial::total() const { return std::accumulate(costs.begin(), costs.end(), 0.0); }
-
-double clustered_deviation(const std::vector<double>& scores, std::size_t num_lamp_sets) {
-    PATINA_CHECK_EQ(scores.size() % num_lamp_sets, 0u);
-    const OneWay blocks = one_way(
-        scores, scores.size() / num_lamp_sets, [&](std::size_t i) { return i / num_lamp_sets; });
-    const OneWay sets =
-        one_way(scores, num_lamp_sets, [&](std::size_t i) { return i % num_lamp_sets; });
-    const OneWay cells = one_way(scores, scores.size(), [](std::size_t i) { return i; });
-    // A single block has nothing to compare it with.
-    if (blocks.num_clusters < 2) return std::numeric_limits<double>::infinity();
-    const double both = blocks.variance + sets.variance - cells.variance;
-    return std::sqrt(std::max({blocks.variance, sets.variance, both}));
-}
 
 std::string untold_note(const ScaleEstimate& scale) {
     return "note: the absolute scale is not told: " + scale.reason +
            "; the lamps are taken as stated, and Pd and Ps are known up to a common factor";
 }
 
-ScaleEstimate find_scale(ScaleTrials& trials, double start, std::size_t num_lamp_sets) {
+ScaleEstimate find_scale(ProfileTrials& trials, double start, std::size_t num_lamp_sets) {
     ScaleEstimate estimate;
     estimate.reason = "no factor of the lamps fits best";
     trials.settle(start);
@@ -162,7 +85,7 @@ ScaleEstimate find_scale(ScaleTrials& trials, double start, std::size_t num_lamp
     bool rests = false;
     for (int round = 0; round < kMaxRounds && !rests; ++round) {
         trials.settle(x);
-        vertex = vertex_at(trials, x, num_lamp_sets);
+        vertex = vertex_at(trials, x, kArm, num_lamp_sets);
         if (!vertex.exists) return estimate;
         x += std::clamp(vertex.offset, -2 * kArm, 2 * kArm);
         rests = std::abs(vertex.offset) <= kArm / 2;

@@ -1,14 +1,12 @@
-// The lamps' common factor from interreflections: the lowest point of a profile cost over ln k, and
-// its error, robust against residuals that neighbours or looks under one lamp share.
-//
-// Based on: Cameron, Gelbach, Miller. Robust Inference With Multiway Clustering. J. Bus. Econ.
-// Stat. 29(2), 2011, eq. 2.7 (the error). docs/theory.md, "Absolute scale".
+// The lamps' common factor from interreflections: the lowest point of a profile over ln k.
+// docs/theory.md, "Absolute scale".
 #pragma once
+
+#include "patina/estimate/profile.h"
 
 #include <cstddef>
 #include <limits>
 #include <string>
-#include <vector>
 
 namespace patina {
 
@@ -24,42 +22,11 @@ struct ScaleEstimate {
     std::string reason;      // why it is not told, in words; empty: it is
 };
 
-// What the looks say against one factor, everything else fitted anew.
-struct ScaleTrial {
-    // Weighted squared residuals [-], block of texels by block, per block one number for each set
-    // of lamps.
-    std::vector<double> costs;
-    double clamped_share = 0;  // of the texels: they would reflect more light than they get
-
-    [[nodiscard]] double total() const;
-};
-
-// The costs, as a function of x = ln k.
-class ScaleTrials {
-  public:
-    ScaleTrials() = default;
-    ScaleTrials(const ScaleTrials&) = delete;
-    ScaleTrials& operator=(const ScaleTrials&) = delete;
-    virtual ~ScaleTrials() = default;
-
-    // Decides at x what all further trials share: weights, and what is measured at all.
-    virtual void settle(double x) = 0;
-    // Fits again until the maps move by less than the tolerance, relative.
-    [[nodiscard]] virtual ScaleTrial try_factor(double x, double tolerance) = 0;
-};
-
-// Standard deviation of the sum of all scores, if those of one block or of one set of lamps
-// may depend on each other in any way, and others do not. The larger of the one-way estimates where
-// the two-way one is smaller. Infinite where fewer than two blocks have
-// scores. scores: like ScaleTrial::costs, with sum 0.
-[[nodiscard]] double clustered_deviation(const std::vector<double>& scores,
-                                         std::size_t num_lamp_sets);
-
 // What a user is to know of a scale that is not told: one line.
 [[nodiscard]] std::string untold_note(const ScaleEstimate& scale);
 
-// start: ln k to start from.
-[[nodiscard]] ScaleEstimate find_scale(ScaleTrials& trials,
+// trials: over ln k. start: ln k to start from.
+[[nodiscard]] ScaleEstimate find_scale(ProfileTrials& trials,
                                        double start,
                                        std::size_t num_lamp_sets);
 

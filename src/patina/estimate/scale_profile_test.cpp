@@ -13,15 +13,15 @@ constexpr std::size_t kNumBlocks = 6;
 constexpr std::size_t kNumSets = 4;
 
 // Costs by a formula of ln k, the block and the set of lamps.
-class FormulaTrials final : public ScaleTrials {
+class FormulaTrials final : public ProfileTrials {
   public:
     using Cost = std::function<double(double x, std::size_t block, std::size_t set)>;
     explicit FormulaTrials(Cost cost, double clamped_share = 0)
         : cost_(std::move(cost)), clamped_share_(clamped_share) {}
 
     void settle(double) override {}
-    ScaleTrial try_factor(double x, double) override {
-        ScaleTrial trial;
+    ProfileTrial try_at(double x, double) override {
+        ProfileTrial trial;
         trial.clamped_share = clamped_share_;
         for (std::size_t block = 0; block < kNumBlocks; ++block) {
             for (std::size_t set = 0; set < kNumSets; ++set) {
