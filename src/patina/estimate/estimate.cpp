@@ -202,7 +202,17 @@ class Iteration {
         }
         fill(roughness, kInitialRoughness, [](Reflectance& r) -> double& { return r.roughness; });
         refit_matte(light, specular, roughness);
-        fill(specular, 0.0, [](Reflectance& r) -> double& { return r.specular; });
+        // Ps sigma^2, half the lobe's albedo, is what varies slowly where sigma does not.
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            const Reflectance& fit = fits_[i].reflectance;
+            values[i] = fit.specular * square(fit.roughness);
+        }
+        interpolate_linearly(capture_.atlas, specular, 0.0, values);
+        for (std::size_t i = 0; i < num_texels_; ++i) {
+            if (specular[i] != 0) continue;
+            Reflectance& fit = fits_[i].reflectance;
+            fit.specular = values[i] / square(fit.roughness);
+        }
     }
 
     // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
