@@ -90,6 +90,19 @@ MethodRun finish_run(const std::string& name,
 
 }  // namespace
 
+bool has_status(const MethodRun& run, TexelId texel, TexelStatus status) {
+    return run.estimate.status[texel] == status;
+}
+
+bool is_diffuse_measured(const MethodRun& run, TexelId texel) {
+    return has_status(run, texel, TexelStatus::measured) ||
+           has_status(run, texel, TexelStatus::diffuse_measured);
+}
+
+double mean_diffuse(const MethodRun& run, TexelId texel) {
+    return run.estimate.maps[texel].diffuse.mean();
+}
+
 MethodRun run_method(const Capture& capture,
                      Method method,
                      const RunSettings& settings,

@@ -20,12 +20,18 @@ struct RunSettings {
 };
 
 struct MethodRun {
-    std::string name;  // "direct", "diffuse", "photon" or "Lambertian"
+    std::string name;  // of the method, or "Lambertian"
     Estimate estimate;
     ReflectanceMaps maps;
     std::optional<ImageComparison> heldout;  // nothing where no shot is held out
     std::optional<Comparison::Truth> truth;
 };
+
+[[nodiscard]] bool has_status(const MethodRun& run, TexelId texel, TexelStatus status);
+// Status 1 or 2.
+[[nodiscard]] bool is_diffuse_measured(const MethodRun& run, TexelId texel);
+// Mean of the three channels of Pd [-].
+[[nodiscard]] double mean_diffuse(const MethodRun& run, TexelId texel);
 
 // Throws Error, WorkFailed, Interrupted.
 [[nodiscard]] MethodRun run_method(const Capture& capture,

@@ -5,11 +5,13 @@
 
 #include <fmt/format.h>
 
-#include "map_pictures.h"
+#include "picture_sheet.h"
 #include "texel_sets.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <functional>
+#include <span>
 
 namespace patina {
 namespace {
@@ -22,14 +24,6 @@ constexpr double kCreaseShare = 0.1;
 
 // --- Markdown ------------------------------------------------------------------------------------
 
-std::string table_row(const std::vector<std::string>& cells) {
-    return fmt::format("| {} |\n", fmt::join(cells, " | "));
-}
-
-std::string table_head(const std::vector<std::string>& cells) {
-    return table_row(cells) + table_row(std::vector<std::string>(cells.size(), "---"));
-}
-
 std::string number(double value) { return fmt::format("{:.4g}", value); }
 
 std::string percent(double share) { return fmt::format("{:.1f} %", 100 * share); }
@@ -40,22 +34,9 @@ std::string heldout_text(const MethodRun& run) {
 
 // --- Values of texels ----------------------------------------------------------------------------
 
-bool has_status(const MethodRun& run, TexelId texel, TexelStatus status) {
-    return run.estimate.status[texel] == status;
-}
-
-bool is_diffuse_measured(const MethodRun& run, TexelId texel) {
-    return has_status(run, texel, TexelStatus::measured) ||
-           has_status(run, texel, TexelStatus::diffuse_measured);
-}
-
 bool is_roughness_measured(const MethodRun& run, TexelId texel) {
     return has_status(run, texel, TexelStatus::measured) &&
            std::isfinite(run.estimate.errors[texel].roughness);
-}
-
-double mean_diffuse(const MethodRun& run, TexelId texel) {
-    return run.estimate.maps[texel].diffuse.mean();
 }
 
 double share_of(const TexelSet& texels, const std::function<bool(TexelId)>& holds) {
@@ -71,119 +52,86 @@ std::string iteration_text(const MethodRun& run) {
                        last.spectral_radius);
 }
 
-// --- Pictures ------------------------------------------------------------------------------------
-
-// The six pictures of a capture, as Markdown; nothing where pictures are not wanted.
-class PictureSheet {
-  public:
-    PictureSheet(const std::string& name, const Capture& capture, const PageSettings& settings)
-        : name_(name), atlas_(capture.atlas), docs_(settings.docs) {}
-
-    [[nodiscard]] std::string write(const MethodRun& direct, const MethodRun& photon) {
-        if (docs_.empty()) return "";
-        const auto diffuse_known = [&](TexelId t) { return is_diffuse_measured(photon, t); };
-        const auto diffuse_of = [](const MethodRun& run) {
-            return [&run](TexelId t) { return mean_diffuse(run, t); };
-        };
-        const ColorRange range = range_from_zero(atlas_, diffuse_known, diffuse_of(direct));
-        write_map_picture(file("pd_direct"), atlas_, range, diffuse_known, diffuse_of(direct));
-        add("Pd by direct, " + range.text);
-        write_map_picture(file("pd_photon"), atlas_, range, diffuse_known, diffuse_of(photon));
-        add("Pd by photon, " + range.text);
-        write_ratio_picture(
-            file("pd_ratio"),
-            atlas_,
-            [&](TexelId t) {
-                return diffuse_known(t) && mean_diffuse(direct, t) > 0 &&
-                       mean_diffuse(photon, t) > 0;
-            },
-            [&](TexelId t) { return mean_diffuse(photon, t) / mean_diffuse(direct, t); });
-        add("photon over direct, " + ratio_range().text);
-        write_lobe(photon);
-        write_status_picture(file("status"), atlas_, photon.estimate);
-        add("status by photon: 1 at the bar's top, 2, 3 at its bottom");
-        return table_head(captions_) + table_row(pictures_);
-    }
-
-  private:
-    void write_lobe(const MethodRun& photon) {
-        const auto lobe_known = [&](TexelId t) { return is_diffuse_measured(photon, t); };
-        const auto specular = [&](TexelId t) { return photon.estimate.maps[t].specular; };
-        const auto roughness = [&](TexelId t) { return photon.estimate.maps[t].roughness; };
-        const ColorRange specular_range = range_from_zero(atlas_, lobe_known, specular);
-        write_map_picture(file("ps"), atlas_, specular_range, lobe_known, specular);
-        add("Ps by photon, " + specular_range.text);
-        const ColorRange roughness_range = range_from_zero(atlas_, lobe_known, roughness);
-        write_map_picture(file("sigma"), atlas_, roughness_range, lobe_known, roughness);
-        add("sigma by photon, " + roughness_range.text + " rad");
-    }
-
-    // The picture to write next.
-    [[nodiscard]] std::filesystem::path file(const std::string& map) {
-        const std::string picture = fmt::format("pictures/{}_{}.png", name_, map);
-        next_picture_ = picture;
-        return docs_ / picture;
-    }
-    void add(const std::string& caption) {
-        captions_.push_back(caption);
-        pictures_.push_back(fmt::format("![{}]({})", caption, next_picture_));
-    }
-
-    std::string name_;
-    const TexelAtlas& atlas_;
-    std::filesystem::path docs_;
-    std::string next_picture_;
-    std::vector<std::string> captions_;
-    std::vector<std::string> pictures_;
-};
-
 // --- Uniform colour: real_cat --------------------------------------------------------------------
 
-// One figure by both methods, and whether photon's is what is claimed.
-std::string claim_row(const std::string& what, double direct, double photon, bool may_be_equal) {
-    const bool holds = may_be_equal ? photon <= direct : photon < direct;
-    return table_row({what,
-                      fmt::format("{:.4f}", direct),
-                      fmt::format("{:.4f}", photon),
-                      holds ? "yes" : "**no**"});
+// The methods that are compared, in the order of the columns: direct first.
+using MethodRuns = std::vector<MethodRun>;
+
+MethodRuns run_methods(const Capture& capture, const PageSettings& settings, Progress& progress) {
+    MethodRuns runs;
+    for (const Method method : {Method::direct, Method::photon, Method::gather}) {
+        runs.push_back(run_method(capture, method, settings.run, progress));
+    }
+    return runs;
+}
+
+// One figure by every method, and whether those that know of bounced light are better than direct.
+std::string claim_row(const std::string& what,
+                      const MethodRuns& runs,
+                      const std::function<double(const MethodRun&)>& figure,
+                      bool may_be_equal) {
+    std::vector<std::string> cells = {what};
+    std::vector<std::string> failing;
+    const double direct = figure(runs.front());
+    for (const MethodRun& run : runs) {
+        const double value = figure(run);
+        cells.push_back(fmt::format("{:.4f}", value));
+        if (&run == &runs.front() || (may_be_equal ? value <= direct : value < direct)) continue;
+        failing.push_back("**not " + run.name + "**");
+    }
+    cells.push_back(failing.empty() ? "yes" : fmt::format("{}", fmt::join(failing, ", ")));
+    return table_row(cells);
 }
 
 std::string uniformity_rows(const std::string& where,
                             const TexelSet& texels,
-                            const MethodRun& direct,
-                            const MethodRun& photon) {
-    const Spread by_direct = spread_of(texels, [&](TexelId t) { return mean_diffuse(direct, t); });
-    const Spread by_photon = spread_of(texels, [&](TexelId t) { return mean_diffuse(photon, t); });
-    return claim_row("coefficient of variation of Pd, " + where,
-                     by_direct.coefficient_of_variation,
-                     by_photon.coefficient_of_variation,
-                     false) +
+                            const MethodRuns& runs) {
+    const auto spread = [&](const MethodRun& run) {
+        return spread_of(texels, [&](TexelId t) { return mean_diffuse(run, t); });
+    };
+    return claim_row(
+               "coefficient of variation of Pd, " + where,
+               runs,
+               [&](const MethodRun& run) { return spread(run).coefficient_of_variation; },
+               false) +
            claim_row(
-               "p95/p50 of Pd, " + where, by_direct.p95_over_p50, by_photon.p95_over_p50, false);
+               "p95/p50 of Pd, " + where,
+               runs,
+               [&](const MethodRun& run) { return spread(run).p95_over_p50; },
+               false);
 }
 
 std::string cat_section(const Capture& capture, const PageSettings& settings, Progress& progress) {
-    const MethodRun direct = run_method(capture, Method::direct, settings.run, progress);
-    const MethodRun photon = run_method(capture, Method::photon, settings.run, progress);
-    const TexelSet inner = inner_texels(capture.atlas, photon.estimate.seen, kMargin);
+    const MethodRuns runs = run_methods(capture, settings, progress);
+    const MethodRun& gather = runs.back();
+    const TexelSet inner = inner_texels(capture.atlas, gather.estimate.seen, kMargin);
     const TexelSet creases = select(inner, [&](TexelId t) {
-        return double(photon.estimate.indirect_over_direct[t]) > kCreaseShare;
+        return double(gather.estimate.indirect_over_direct[t]) > kCreaseShare;
     });
     std::string text =
         "Plaster of one colour: Pd should be the same everywhere. It is compared as it is, never "
         "smoothed.\n\n";
-    text += table_head({"", "direct", "photon", "photon is better"});
-    text += uniformity_rows(fmt::format("{} texels", inner.size()), inner, direct, photon);
-    text += uniformity_rows(
-        fmt::format("{} texels in creases", creases.size()), creases, direct, photon);
-    PATINA_CHECK(direct.heldout && photon.heldout);
-    text += claim_row("relative RMSE of the held-out shots",
-                      direct.heldout->relative_rmse,
-                      photon.heldout->relative_rmse,
-                      true);
-    text += "\n" + table_head({"over the same texels", "direct", "photon"});
+    std::vector<std::string> head = {""};
+    for (const MethodRun& run : runs) head.push_back(run.name);
+    std::vector<std::string> claim_head = head;
+    claim_head.push_back("better than direct");
+    text += table_head(claim_head);
+    text += uniformity_rows(fmt::format("{} texels", inner.size()), inner, runs);
+    text += uniformity_rows(fmt::format("{} texels in creases", creases.size()), creases, runs);
+    text += claim_row(
+        "relative RMSE of the held-out shots",
+        runs,
+        [](const MethodRun& run) {
+            PATINA_CHECK(run.heldout);
+            return run.heldout->relative_rmse;
+        },
+        true);
+    head.front() = "over the same texels";
+    text += "\n" + table_head(head);
     const auto row = [&](const std::string& what, const auto& figure) {
-        text += table_row({what, figure(direct), figure(photon)});
+        std::vector<std::string> cells = {what};
+        for (const MethodRun& run : runs) cells.push_back(figure(run));
+        text += table_row(cells);
     };
     const auto median_of = [&](const TexelSet& texels) {
         return [&texels](const MethodRun& run) {
@@ -205,7 +153,7 @@ std::string cat_section(const Capture& capture, const PageSettings& settings, Pr
             spread_of(inner, [&](TexelId t) { return run.estimate.maps[t].specular; }).median);
     });
     row("iteration", iteration_text);
-    return text + "\n" + PictureSheet("real_cat", capture, settings).write(direct, photon);
+    return text + "\n" + write_pictures("real_cat", capture, settings.docs, runs.front(), gather);
 }
 
 // --- One material, or a flat card: real_ball, real_box -------------------------------------------
@@ -243,9 +191,9 @@ std::string material_section(const std::string& name,
                              const PageSettings& settings,
                              Progress& progress) {
     const MethodRun lambertian = run_lambertian(capture, settings.run, progress);
-    const MethodRun direct = run_method(capture, Method::direct, settings.run, progress);
-    const MethodRun photon = run_method(capture, Method::photon, settings.run, progress);
-    const TexelSet inner = inner_texels(capture.atlas, photon.estimate.seen, kMargin);
+    const MethodRuns runs = run_methods(capture, settings, progress);
+    const MethodRun& gather = runs.back();
+    const TexelSet inner = inner_texels(capture.atlas, gather.estimate.seen, kMargin);
     std::string text = introduction + "\n\n";
     text += fmt::format(
         "{} texels. Median (16 % to 84 %), and half that distance over the median; Pd of status 1 "
@@ -253,19 +201,24 @@ std::string material_section(const std::string& name,
         inner.size());
     text +=
         table_head({"", "Pd", "Ps of", "Ps", "sigma of", "sigma [rad]", "held-out relative RMSE"});
-    for (const MethodRun* run : {&lambertian, &direct, &photon}) text += material_row(inner, *run);
-    PATINA_CHECK(lambertian.heldout && direct.heldout && photon.heldout);
-    const double error = photon.heldout->relative_rmse;
-    const auto against = [&](const MethodRun& other) {
+    text += material_row(inner, lambertian);
+    for (const MethodRun& run : runs) text += material_row(inner, run);
+    PATINA_CHECK(lambertian.heldout && gather.heldout);
+    const auto against = [&](const MethodRun& run, const MethodRun& other) {
+        const double error = run.heldout->relative_rmse;
         return fmt::format("{} that of {}",
                            error < other.heldout->relative_rmse ? "below" : "**not** below",
                            other.name == "direct" ? "direct" : "the Lambertian fit");
     };
-    text += fmt::format("\nThe held-out relative RMSE of photon is {} and {}; photon took {}.\n\n",
-                        against(lambertian),
-                        against(direct),
-                        iteration_text(photon));
-    return text + PictureSheet(name, capture, settings).write(direct, photon);
+    text += "\n";
+    for (const MethodRun& run : std::span(runs).subspan(1)) {
+        text += fmt::format("The held-out relative RMSE of {} is {} and {}; it took {}. ",
+                            run.name,
+                            against(run, lambertian),
+                            against(run, runs.front()),
+                            iteration_text(run));
+    }
+    return text + "\n\n" + write_pictures(name, capture, settings.docs, runs.front(), gather);
 }
 
 // --- Known truth: channel ------------------------------------------------------------------------
@@ -327,7 +280,7 @@ std::string channel_section(const Capture& capture,
                         "seen texels of status 1 or 2",
                         "held-out relative RMSE",
                         "iteration"});
-    for (const Method method : {Method::direct, Method::diffuse, Method::photon}) {
+    for (const Method method : {Method::direct, Method::diffuse, Method::photon, Method::gather}) {
         text += channel_row(capture, truth, run_method(capture, method, settings.run, progress));
     }
     return text;
@@ -369,7 +322,7 @@ std::string make_introduction(const PageSettings& settings) {
         "Unless said otherwise texels are those with nothing but seen texels within {} rows and "
         "columns of them, the same for every method; Pd is the mean of its three channels. Creases "
         "are the texels whose indirect irradiance is more than {} of the direct one, mean over the "
-        "looks, as photon finds it. Pictures show texels of status 1 and 2, Ps and sigma with what "
+        "looks, as gather finds it. Pictures show texels of status 1 and 2, Ps and sigma with what "
         "was filled in; the bar on the right has the stated range from bottom to top.\n",
         program_version(),
         settings.run.photons,
