@@ -33,6 +33,8 @@ endif()
 
 # What every target of the project is compiled with.
 # -ffp-contract=off and no fast-math: the same bytes out for any number of threads and any SIMD width.
+# Nobody reads errno or floating-point exceptions; while the compiler must keep them, a loop with a
+# maximum, a choice or a root in it stays scalar.
 add_library(patina_flags INTERFACE)
 target_compile_features(patina_flags INTERFACE cxx_std_20)
 target_compile_definitions(patina_flags INTERFACE EIGEN_MPL2_ONLY EIGEN_DONT_PARALLELIZE)
@@ -47,6 +49,8 @@ target_compile_options(
               -Wcast-align
               -Woverloaded-virtual
               -ffp-contract=off
+              -fno-math-errno
+              -fno-trapping-math
               # False alarms on "text" + std::string, gone in GCC 13 (GCC bug 105651).
               $<$<AND:$<CXX_COMPILER_ID:GNU>,$<VERSION_LESS:$<CXX_COMPILER_VERSION>,13>>:-Wno-restrict>
               $<$<BOOL:${PATINA_WARNINGS_AS_ERRORS}>:-Werror>)

@@ -18,9 +18,36 @@ float from_upper_half(std::uint16_t half) {
     return std::bit_cast<float>(std::uint32_t(half) << 16);
 }
 
+// The rows of the texels that are hit lie all over memory, so they are asked for this many hits
+// ahead.
+constexpr std::size_t kAhead = 4;
+
+// Asks for the lines of a value that will be read soon.
+template <typename Value>
+void prefetch(const Value& value) {
+    constexpr std::size_t kLine = 64;
+    const char* const begin = reinterpret_cast<const char*>(&value);
+    for (std::size_t offset = 0; offset < sizeof(Value); offset += kLine) {
+        __builtin_prefetch(begin + offset);
+    }
+}
+
 // Adds weight * from to to.
 void add_scaled(float weight, const Lanes& from, Lanes& to) {
     for (std::size_t l = 0; l < kLampLanes; ++l) to[l] += weight * from[l];
+}
+
+// One channel of one texel; not below 0, as weights of the filter may be.
+Lanes filtered(const SurfaceFilter& filter,
+               const IndirectLanes& gathered,
+               std::size_t texel,
+               std::size_t channel) {
+    Lanes sum{};
+    for (std::size_t k = filter.begin[texel]; k < filter.begin[texel + 1]; ++k) {
+        add_scaled(filter.weight[k], gathered[filter.texel[k]][channel], sum);
+    }
+    for (float& value : sum) value = std::max(value, 0.0f);
+    return sum;
 }
 
 }  // namespace
@@ -95,6 +122,13 @@ void LampBlockLight::add_lobe_of_lamps(const RadiantTexels::Material& material,
     for (Lanes& channel : radiance) add_scaled(1, lobe, channel);
 }
 
+void LampBlockLight::expect(const GatherRows& rows, std::size_t hit_index) const {
+    if (hit_index >= rows.hits.size()) return;
+    const TexelId texel = rows.hits[hit_index].to;
+    prefetch(radiosity_[texel]);
+    if (!turning_) prefetch(texel_lanes_[texel]);
+}
+
 LampBlockLight::Radiance LampBlockLight::radiance_of(
     const RadiantTexels& texels,
     const GatherHit& hit,
@@ -141,6 +175,7 @@ void LampBlockLight::sweep(const GatherGraph& graph,
             for (std::size_t k = graph.irradiance.begin[i]; k < graph.irradiance.begin[i + 1];
                  ++k) {
                 const GatherHit& hit = graph.irradiance.hits[k];
+                expect(graph.irradiance, k + kAhead);
                 const Radiance radiance = radiance_of(texels, hit, k, irradiance_lanes_);
                 for (std::size_t c = 0; c < 3; ++c) {
                     // Half of the rays stands for the whole hemisphere.
@@ -151,24 +186,16 @@ void LampBlockLight::sweep(const GatherGraph& graph,
             gathered[1][i] = sums[1];
         }
     });
-    for (std::size_t half = 0; half < 2; ++half) {
-        halves[half].assign(num_texels, {});
-        parallel_for(num_texels, [&](std::size_t i) {
-            for (std::size_t k = filter.begin[i]; k < filter.begin[i + 1]; ++k) {
-                for (std::size_t c = 0; c < 3; ++c) {
-                    add_scaled(
-                        filter.weight[k], gathered[half][filter.texel[k]][c], halves[half][i][c]);
+    for (IndirectLanes& half : halves) half.resize(num_texels);
+    parallel_blocks(num_texels, kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                for (const std::size_t half : {0u, 1u}) {
+                    halves[half][i][c] = filtered(filter, gathered[half], i, c);
                 }
-            }
-            for (Lanes& channel : halves[half][i]) {
-                for (float& value : channel) value = std::max(value, 0.0f);
-            }
-        });
-    }
-    parallel_for(num_texels, [&](std::size_t i) {
-        for (std::size_t c = 0; c < 3; ++c) {
-            for (std::size_t l = 0; l < kLampLanes; ++l) {
-                indirect_[i][c][l] = 0.5f * (halves[0][i][c][l] + halves[1][i][c][l]);
+                for (std::size_t l = 0; l < kLampLanes; ++l) {
+                    indirect_[i][c][l] = 0.5f * (halves[0][i][c][l] + halves[1][i][c][l]);
+                }
             }
         }
     });
@@ -193,6 +220,7 @@ LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
     const std::vector<CompactLanes>& compact = turning_ ? lobe_lanes_[view] : kNone;
     for (std::size_t k = rows.begin[texel]; k < rows.begin[texel + 1]; ++k) {
         const GatherHit& hit = rows.hits[k];
+        expect(rows, k + kAhead);
         const float theta_squared = squared_angle(std::max(0.0f, 1 - mirror.dot(hit.w)));
         // The three Gaussians are powers of each other.
         const float twice = exp_of_negative(-0.125f * theta_squared / variance);

@@ -76,6 +76,8 @@ class LampBlockLight {
 
   private:
     using Radiance = std::array<Lanes, 3>;
+    // Asks for what radiance_of() will read of a hit to come.
+    void expect(const GatherRows& rows, std::size_t hit_index) const;
     void add_lobe_of_lamps(const RadiantTexels::Material& material,
                            const GatherHit& hit,
                            std::size_t hit_index,
