@@ -37,8 +37,8 @@ struct TexelMeasurability {
 };
 
 // rows: with the weights of the fit. map: with the lobe as it was measured or filled. noise_scale:
-// standard deviations of the looks over the stated ones [-]. The lobe by direct light alone, as
-// when it is judged.
+// standard deviations of the looks over the stated ones, above 0 [-]. The lobe by direct light
+// alone, as when it is judged.
 [[nodiscard]] ExpectedErrors expected_errors(std::span<const FitRow> rows,
                                              const Reflectance& map,
                                              double noise_scale);

@@ -138,6 +138,18 @@ TEST(Measurability, WhatIsMeasuredNeedsNoReason) {
     EXPECT_EQ(texel_measurability(looks.rows(), kNarrow, fit, 1).reason, LobeReason::measured);
 }
 
+TEST(Measurability, LooksWithoutAnyResidualStillTellOnlyWhatTheySee) {
+    Looks looks(100, 200, kNarrow);  // [rad]: the lobe is 0 there, to the last bit
+    TexelFit fit;
+    fit.observed = true;
+    fit.misfit = 0;
+    const TexelMeasurability found = texel_measurability(looks.rows(), kNarrow, fit, 0);
+    EXPECT_EQ(found.reason, LobeReason::no_lamp_in_lobe);
+    EXPECT_EQ(found.errors.specular, kInfinity);
+    EXPECT_EQ(found.errors.roughness, kInfinity);
+    EXPECT_LT(found.errors.diffuse, 1e-6);
+}
+
 // The product of the factors is the error that the judge compares with its mark.
 TEST(Measurability, TheCausesMultiplyToTheWholeShortfall) {
     Looks looks(0.02, 0.25, kNarrow);
