@@ -9,6 +9,7 @@
 
 #include "support/program.h"
 #include "support/tiny_capture.h"
+#include <array>
 #include <cmath>
 #include <sstream>
 
@@ -68,7 +69,7 @@ TEST_F(ContractCommands, EstimateLeavesAWholeResult) {
                               "timing"}));
     EXPECT_THAT(json.find("timing")->names, IsSupersetOf({"stages_s", "peak_memory_bytes"}));
     EXPECT_THAT(json.find("texels")->names,
-                IsSupersetOf({"by_status", "seen", "seen_measured_share", "clamped"}));
+                IsSupersetOf({"by_status", "by_reason", "seen", "seen_measured_share", "clamped"}));
     for (const Json& turn : json.find("iterations")->items) {
         EXPECT_THAT(turn.names, IsSupersetOf({"error", "change", "lambda", "damping"}));
     }
@@ -79,6 +80,30 @@ TEST_F(ContractCommands, EstimateCountsEveryTexelOnce) {
     std::int64_t sum = 0;
     for (const Json& count : json.find("texels")->find("by_status")->items) sum += count.integer;
     EXPECT_EQ(sum, 16 * 16);
+}
+
+TEST_F(ContractCommands, EstimateGivesAReasonForEveryStatus) {
+    const Json texels = *parse_json(estimate_.output, "output").find("texels");
+    std::array<std::int64_t, kLobeReasons.size()> in_map = {};
+    for (const float reason : read_result(folder_ / "result").maps.reason.data) {
+        ++in_map[std::size_t(reason)];
+    }
+    std::int64_t unmeasured = 0;
+    for (const LobeReason reason : kLobeReasons) {
+        if (reason == LobeReason::off_surface) continue;
+        const Json* const count = texels.find("by_reason")->find(lobe_reason_name(reason));
+        ASSERT_NE(count, nullptr) << lobe_reason_name(reason);
+        EXPECT_EQ(count->integer, in_map[std::size_t(reason)]) << lobe_reason_name(reason);
+        if (reason > LobeReason::matte && reason < LobeReason::not_observed) {
+            unmeasured += count->integer;
+        }
+    }
+    const auto with = [&](LobeReason reason) { return in_map[std::size_t(reason)]; };
+    const Json& by_status = *texels.find("by_status");
+    EXPECT_EQ(by_status.find("0")->integer, with(LobeReason::off_surface));
+    EXPECT_EQ(by_status.find("1")->integer, with(LobeReason::measured) + with(LobeReason::matte));
+    EXPECT_EQ(by_status.find("2")->integer, unmeasured);
+    EXPECT_EQ(by_status.find("3")->integer, with(LobeReason::not_observed));
 }
 
 TEST_F(ContractCommands, EstimateKeepsItsSettings) {

@@ -44,6 +44,14 @@ class SyntheticTexel {
         }
     }
 
+    // Look k has its lamp so far from the mirror direction [rad], at the same cosines as the
+    // others.
+    void place_lamp(std::size_t k, double theta_r) {
+        lamps_[k].theta_r_squared = float(square(theta_r));
+        lamps_[k].lobe_cosines = 1.3f;
+        rows_[k].theta_r = theta_r;
+    }
+
     void classify(const FitOptions& options) {
         for (FitRow& row : rows_) row.pixel_class = classify_by_angle(row, options);
     }

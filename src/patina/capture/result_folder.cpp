@@ -25,9 +25,10 @@ struct MapFile {
     Image ReflectanceMaps::*map;
     int channels;         // in memory
     int stored_channels;  // in the file
+    bool is_optional = false;
 };
 
-constexpr std::array<MapFile, 7> kMapFiles = {{
+constexpr std::array<MapFile, 9> kMapFiles = {{
     {"diffuse.exr", &ReflectanceMaps::diffuse, 3, 3},
     {"specular.exr", &ReflectanceMaps::specular, 1, 3},
     {"roughness.exr", &ReflectanceMaps::roughness, 1, 1},
@@ -35,6 +36,8 @@ constexpr std::array<MapFile, 7> kMapFiles = {{
     {"specular_stderr.exr", &ReflectanceMaps::specular_stderr, 1, 3},
     {"roughness_stderr.exr", &ReflectanceMaps::roughness_stderr, 1, 1},
     {"status.exr", &ReflectanceMaps::status, 1, 1},
+    {"measurability.exr", &ReflectanceMaps::measurability, 3, 3, true},
+    {"reason.exr", &ReflectanceMaps::reason, 1, 1, true},
 }};
 
 Image repeat_channels(const Image& image, int channels) {
@@ -46,7 +49,10 @@ Image repeat_channels(const Image& image, int channels) {
     return repeated;
 }
 
-bool is_status(float value) { return value == 0 || value == 1 || value == 2 || value == 3; }
+// Whether the value is one of 0, 1, ... last.
+bool is_code(float value, double last) {
+    return value >= 0 && double(value) <= last && value == std::floor(value);
+}
 
 // Where a map's value breaks the rules of the result folder, and how.
 struct Fault {
@@ -58,13 +64,17 @@ struct Fault {
 
 std::optional<Fault> find_fault(const MapFile& file, const Image& map, const Image& status) {
     const bool is_status_map = file.map == &ReflectanceMaps::status;
+    const bool is_reason_map = file.map == &ReflectanceMaps::reason;
     for (int y = 0; y < map.height; ++y) {
         for (int x = 0; x < map.width; ++x) {
             for (int c = 0; c < map.channels; ++c) {
                 const float value = map.at(x, y, c);
                 if (std::isnan(value)) return Fault{x, y, "is NaN", "a number"};
-                if (is_status_map && !is_status(value)) {
+                if (is_status_map && !is_code(value, double(TexelStatus::filled))) {
                     return Fault{x, y, "is no status", "0, 1, 2 or 3"};
+                }
+                if (is_reason_map && !is_code(value, double(LobeReason::not_observed))) {
+                    return Fault{x, y, "is no reason", "a whole number from 0 to 8"};
                 }
                 if (status.at(x, y) == 0 && value != 0) {
                     return Fault{x, y, "is not 0 where the status is 0", "0 off the surface"};
@@ -108,6 +118,7 @@ void check_maps(const fs::path& folder, const ReflectanceMaps& maps) {
     const Image& status = maps.status;
     for (const MapFile& file : kMapFiles) {
         const Image& map = maps.*file.map;
+        if (file.is_optional && map.empty()) continue;
         const std::string place = (folder / file.name).string();
         if (map.width != status.width || map.height != status.height) {
             throw Error(
@@ -130,6 +141,7 @@ void check_maps(const fs::path& folder, const ReflectanceMaps& maps) {
 void write_result_maps(const fs::path& folder, const ReflectanceMaps& maps) {
     for (const MapFile& file : kMapFiles) {
         const Image& map = maps.*file.map;
+        if (file.is_optional && map.empty()) continue;
         PATINA_CHECK_EQ(map.width, maps.status.width);
         PATINA_CHECK_EQ(map.height, maps.status.height);
         PATINA_CHECK_EQ(map.channels, file.channels);
@@ -162,6 +174,7 @@ Result read_result(const fs::path& path) {
         result.lamp_factor = root["scale"]["factor"].number_above_zero();
     }
     for (const MapFile& file : kMapFiles) {
+        if (file.is_optional && !fs::exists(folder / file.name)) continue;
         result.maps.*file.map = read_map(folder / file.name, file);
     }
     check_maps(folder, result.maps);

@@ -1,6 +1,7 @@
 // The folder that an estimate leaves: maps, surface and result.json. docs/result.md describes it.
 #pragma once
 
+#include "patina/capture/lobe_reason.h"
 #include "patina/image/image.h"
 #include "patina/scene/mesh.h"
 
@@ -26,6 +27,9 @@ struct ReflectanceMaps {
     Image specular_stderr;
     Image roughness_stderr;
     Image status;  // one channel, a TexelStatus as a number
+    // What could be measured at all. Empty in results of programs that do not say.
+    Image measurability = {};  // three channels: relative errors to be expected of Pd, Ps, sigma
+    Image reason = {};         // one channel, a LobeReason as a number
 };
 
 struct Result {
@@ -38,8 +42,9 @@ struct Result {
     double lamp_factor = 1;
 };
 
-// Writes the seven maps as OpenEXR into an existing folder. The maps must be as described above:
-// sizes and channels, no NaN, statuses 0 to 3, and 0 in every map where the status is 0; anything
+// Writes the maps as OpenEXR into an existing folder, those that are not empty. The maps must be as
+// described above: sizes and channels, no NaN, statuses 0 to 3, reasons 0 to 8, and 0 in every map
+// where the status is 0; anything
 // else is a bug of the caller (PATINA_CHECK). Throws WorkFailed when the disk refuses.
 void write_result_maps(const std::filesystem::path& folder, const ReflectanceMaps& maps);
 
@@ -47,8 +52,8 @@ void write_result_maps(const std::filesystem::path& folder, const ReflectanceMap
 void write_result(const std::filesystem::path& folder, const Result& result);
 
 // Reads and checks a result folder. path: the folder or its result.json. Throws Error when a file
-// is missing or damaged, sizes or channels differ, a value is NaN, a status is none, or the format
-// or version is another.
+// is missing or damaged (but for measurability.exr and reason.exr, which may be missing), sizes or
+// channels differ, a value is NaN, a status or reason is none, or the format or version is another.
 [[nodiscard]] Result read_result(const std::filesystem::path& path);
 
 }  // namespace patina

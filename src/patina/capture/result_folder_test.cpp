@@ -28,6 +28,8 @@ Result small_result() {
     maps.specular = maps.roughness = maps.status = Image(2, 2, 1);
     maps.diffuse_stderr = Image(2, 2, 3);
     maps.specular_stderr = maps.roughness_stderr = Image(2, 2, 1);
+    maps.measurability = Image(2, 2, 3);
+    maps.reason = Image(2, 2, 1);
     for (const int x : {0, 1}) {
         for (int c = 0; c < 3; ++c) {
             maps.diffuse.at(x, 0, c) = 0.25F * float(c + 1);
@@ -38,6 +40,10 @@ Result small_result() {
         maps.specular_stderr.at(x, 0) = x == 0 ? 0.5F : kInfinity;
         maps.roughness_stderr.at(x, 0) = x == 0 ? 0.05F : kInfinity;
         maps.status.at(x, 0) = x == 0 ? 1 : 2;
+        maps.reason.at(x, 0) = x == 0 ? 1 : 4;
+        for (int c = 0; c < 3; ++c) {
+            maps.measurability.at(x, 0, c) = x == 0 || c == 0 ? 0.1F : kInfinity;
+        }
     }
     result.mesh.positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     result.mesh.normals = {{0, 0, 1}, {0, 0, 1}, {0, 0, 1}};
@@ -86,6 +92,8 @@ TEST_F(ResultFolder, ReadsBackWhatWasWritten) {
     EXPECT_EQ(result.maps.specular_stderr.data, expected.maps.specular_stderr.data);
     EXPECT_EQ(result.maps.roughness_stderr.data, expected.maps.roughness_stderr.data);
     EXPECT_EQ(result.maps.status.data, expected.maps.status.data);
+    EXPECT_EQ(result.maps.measurability.data, expected.maps.measurability.data);
+    EXPECT_EQ(result.maps.reason.data, expected.maps.reason.data);
     EXPECT_EQ(result.mesh.triangles.size(), 1U);
 }
 
@@ -153,6 +161,22 @@ TEST_F(ResultFolder, RefusesStatusesThatAreNone) {
     status.at(0, 0) = 1.5F;
     write_exr(folder_ / "status.exr", status);
     EXPECT_EQ(error_line(), "status.exr: pixel (0, 0) is no status (expected 0, 1, 2 or 3)");
+}
+
+TEST_F(ResultFolder, RefusesReasonsThatAreNone) {
+    Image reason = small_result().maps.reason;
+    reason.at(0, 0) = 9;
+    write_exr(folder_ / "reason.exr", reason);
+    EXPECT_EQ(error_line(),
+              "reason.exr: pixel (0, 0) is no reason (expected a whole number from 0 to 8)");
+}
+
+TEST_F(ResultFolder, NeedsNoWordOfWhatCouldBeMeasured) {
+    fs::remove(folder_ / "measurability.exr");
+    fs::remove(folder_ / "reason.exr");
+    const Result result = read_result(folder_);
+    EXPECT_TRUE(result.maps.measurability.empty());
+    EXPECT_TRUE(result.maps.reason.empty());
 }
 
 TEST_F(ResultFolder, RefusesValuesOffTheSurface) {

@@ -8,6 +8,7 @@
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
 #include "patina/capture/result_folder.h"
+#include "patina/estimate/measurability.h"
 #include "patina/estimate/observations.h"
 #include "patina/estimate/scale_profile.h"
 #include "patina/estimate/texel_fit.h"
@@ -57,6 +58,7 @@ struct Estimate {
     std::vector<Reflectance> maps;
     std::vector<Reflectance> errors;  // standard errors; +infinity where nothing is known
     std::vector<TexelStatus> status;
+    std::vector<TexelMeasurability> measurability;
     std::vector<std::uint8_t>
         seen;  // by some camera, within the angle limits, under an unshadowed lamp
     std::vector<float>

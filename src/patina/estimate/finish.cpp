@@ -72,6 +72,7 @@ class Finisher {
         const std::size_t num_texels = fits_.size();
         estimate_.errors.resize(num_texels);
         estimate_.status.assign(num_texels, TexelStatus::filled);
+        estimate_.measurability.resize(num_texels);
         estimate_.indirect_over_direct.assign(num_texels, 0.0f);
         parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
             std::vector<FitRow> rows;
@@ -94,6 +95,8 @@ class Finisher {
         estimate_.status[i] =
             fits_[i].specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         const Reflectance& fitted = estimate_.maps[i];
+        estimate_.measurability[i] =
+            texel_measurability(rows, fitted, fits_[i], estimate_.noise_scale);
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
         ErrorBudget& budget = budgets_[i];
         budget.own = propagation.own_variance();

@@ -11,8 +11,9 @@
 
 namespace patina {
 
-// Errors are those of the last turn's light and the final maps. Fills errors, status and
-// indirect_over_direct. robust: a factor on the weight of every row of the observations; empty: 1.
+// Errors are those of the last turn's light and the final maps. Fills errors, status,
+// measurability and indirect_over_direct. robust: a factor on the weight of every row of the
+// observations; empty: 1.
 void finish_estimate(const Capture& capture,
                      const SceneView& scene,
                      const Observations& observations,

@@ -7,28 +7,32 @@
 namespace patina {
 namespace {
 
-// Ps is measured when its standard error is below the larger of these two; sigma besides only when
-// Ps is told from zero by so many standard errors.
-constexpr double kSpecularRelativeError = 0.2;
-constexpr double kSpecularAbsoluteError = 0.01;
-constexpr double kSpecularDetection = 3.0;
 // Nor is a lobe measured whose width is not: what it fills around it would be as wide as it
 // pleases.
 constexpr double kRoughnessRelativeError = 0.2;
 constexpr double kStayMeasured = 1.5;
-constexpr double kInsideLobe = 2.0;   // [sigma]
 constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 
 // A lobe is shown when some lamp stands inside it; tails alone say too little of its height. One as
 // wide as the search allows is not a lobe but shading that the diffuse part did not explain.
 bool lobe_is_shown(std::span<const FitRow> rows, double roughness, const FitOptions& options) {
     if (roughness > kWidestShare * options.max_roughness) return false;
+    return has_look_inside(rows, roughness);
+}
+
+}  // namespace
+
+double largest_specular_error(double specular) {
+    return std::max(kSpecularRelativeError * specular, kSpecularAbsoluteError);
+}
+
+double largest_roughness_error(double roughness) { return kRoughnessRelativeError * roughness; }
+
+bool has_look_inside(std::span<const FitRow> rows, double roughness) {
     return std::any_of(rows.begin(), rows.end(), [roughness](const FitRow& row) {
         return row.theta_r < kInsideLobe * roughness;
     });
 }
-
-}  // namespace
 
 void judge_lobe(std::span<const FitRow> rows,
                 double noise_scale,
@@ -43,14 +47,14 @@ void judge_lobe(std::span<const FitRow> rows,
         return before ? error < kStayMeasured * limit : !settled && error < limit;
     };
     const double ps = fit.reflectance.specular;
-    const double limit = std::max(kSpecularRelativeError * ps, kSpecularAbsoluteError);
+    const double limit = largest_specular_error(ps);
     const double detection = ps / kSpecularDetection;
     fit.roughness_measured =
         lobe_is_shown(rows, fit.reflectance.roughness, options) &&
         holds(fit.roughness_measured, scale * errors.specular, std::min(limit, detection)) &&
         holds(fit.roughness_measured,
               scale * errors.roughness,
-              kRoughnessRelativeError * fit.reflectance.roughness);
+              largest_roughness_error(fit.reflectance.roughness));
     // Not told from zero: measured, to be matte, if no lobe of ordinary width would have escaped.
     // The width found means nothing then; a wide one would be excluded by any look.
     Reflectance ordinary = fit.reflectance;

@@ -19,6 +19,20 @@ struct TexelFit {
     double roughness_error = 0;  // of sigma [rad]
 };
 
+// Ps counts as measured when its standard error is below the larger of these two: a share of Ps,
+// and an absolute one.
+inline constexpr double kSpecularRelativeError = 0.2;
+inline constexpr double kSpecularAbsoluteError = 0.01;
+// A lobe is shown by a look that lies no further than this from the mirror direction [sigma].
+inline constexpr double kInsideLobe = 2.0;
+// Ps counts as told from zero from so many standard errors on.
+inline constexpr double kSpecularDetection = 3.0;
+// The standard errors below which Ps and sigma count as measured [-; rad].
+[[nodiscard]] double largest_specular_error(double specular);
+[[nodiscard]] double largest_roughness_error(double roughness);
+// Whether some look lies inside a lobe of this sigma [rad].
+[[nodiscard]] bool has_look_inside(std::span<const FitRow> rows, double roughness);
+
 // Decides which of the lobe's parameters in fit.reflectance count as measured. What was measured
 // before stays so until it misses the mark by half. settled: what was not measured stays out.
 void judge_lobe(std::span<const FitRow> rows,

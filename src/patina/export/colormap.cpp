@@ -67,6 +67,19 @@ Rgb status_color(int status) {
     return kColors[std::size_t(std::clamp(status, 0, 3))];
 }
 
+Rgb lobe_reason_color(LobeReason reason) {
+    static const std::array<Rgb, kLobeReasons.size()> kColors = {no_value_color(),
+                                                                 status_color(1),
+                                                                 srgb_from_lch({0.74, 0.07, 195}),
+                                                                 srgb_from_lch({0.83, 0.12, 85}),
+                                                                 srgb_from_lch({0.42, 0.12, 20}),
+                                                                 srgb_from_lch({0.65, 0.12, 350}),
+                                                                 srgb_from_lch({0.30, 0.10, 265}),
+                                                                 srgb_from_lch({0.92, 0.03, 100}),
+                                                                 srgb_from_lch({0.18, 0.01, 265})};
+    return kColors[std::size_t(reason)];
+}
+
 Rgb no_value_color() { return Rgb::Constant(0.5); }
 
 }  // namespace patina

@@ -3,6 +3,7 @@
 // Based on: Ottosson. A perceptual color space for image processing. 2020 (OKLab).
 #pragma once
 
+#include "patina/capture/lobe_reason.h"
 #include "patina/math/types.h"
 
 namespace patina {
@@ -19,6 +20,9 @@ namespace patina {
 
 // What a texel of this status is drawn in, 0 (off the surface) to 3; told apart by lightness too.
 [[nodiscard]] Rgb status_color(int status);
+
+// What a texel is drawn in by what is known of its lobe; told apart by lightness too.
+[[nodiscard]] Rgb lobe_reason_color(LobeReason reason);
 
 // Where nothing is known, or the surface is not: a middle grey. sRGB.
 [[nodiscard]] Rgb no_value_color();

@@ -45,6 +45,18 @@ TEST(StatusColor, DiffersInLightnessBetweenAnyTwoStatesOfTheSurface) {
     }
 }
 
+TEST(LobeReasonColor, DiffersInLightnessBetweenAnyTwoReasons) {
+    for (const LobeReason a : kLobeReasons) {
+        for (const LobeReason b : kLobeReasons) {
+            if (a >= b || a == LobeReason::off_surface) continue;
+            EXPECT_GT(std::abs(perceived_lightness(lobe_reason_color(a)) -
+                               perceived_lightness(lobe_reason_color(b))),
+                      0.08)
+                << lobe_reason_name(a) << ", " << lobe_reason_name(b);
+        }
+    }
+}
+
 TEST(SrgbFromLinear, HasTheKnownValues) {
     EXPECT_EQ(srgb_from_linear(-1), 0);
     EXPECT_NEAR(srgb_from_linear(0.002), 0.02584, 1e-15);

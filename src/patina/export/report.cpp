@@ -44,6 +44,8 @@ std::string report_page(const ReportData& data) {
     add("images", paper ? "Figure 6: what is left" : "What is left", images_section(data));
     add("lamps", paper ? "Figure 4(d): lamp positions" : "Lamp positions", selection_section(data));
     add("maps", "Maps", maps_section(data));
+    add("certainty", "How sure the maps are", certainty_section(data));
+    add("scale", "Absolute scale", scale_section(data));
     add("truth", "Against the truth", truth_section(data));
     add("convergence", "Convergence", convergence_section(data));
     add("times", "Time", times_section(data));

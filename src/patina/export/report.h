@@ -8,6 +8,7 @@
 
 #include "patina/base/progress.h"
 #include "patina/estimate/estimate.h"
+#include "patina/export/lamp_rules.h"
 #include "patina/image/image.h"
 #include "patina/math/types.h"
 #include "patina/scene/light.h"
@@ -40,6 +41,15 @@ struct ReportMaps {
     Image status;     // 1 channel, 0 to 3 as in docs/capture.md; of truth: 0 = ignore
 };
 
+// How well the maps are known, of the same size; an empty image is left out. docs/result.md.
+struct CertaintyMaps {
+    Image diffuse_stderr;    // 3 channels, one standard error
+    Image specular_stderr;   // 1 channel
+    Image roughness_stderr;  // 1 channel [rad]
+    Image measurability;     // 3 channels: relative errors to be expected of Pd, Ps, sigma
+    Image reason;            // 1 channel, a LobeReason as a number
+};
+
 // Synthetic against real images over the pixels of status 1 and 2, in 8-bit levels.
 struct LevelComparison {
     double levels_mean = 0;      // of |difference| [levels]
@@ -59,6 +69,8 @@ struct TruthComparison {
 struct MethodReport {
     std::string method;  // "direct", "diffuse", "photon"
     ReportMaps maps;
+    CertaintyMaps certainty;
+    std::optional<ScaleEstimate> scale;  // of the lamps, where the capture did not state it
     std::vector<IterationLog> iterations;
     bool converged = false;
     double spectral_radius = 0;  // lambda of the last turn; 0: not known [-]
@@ -81,6 +93,7 @@ struct SelectionReport {
     std::pair<double, double> share_with_all = {0, 0};  // (diffuse, specular) [-]
     Vec3 object_center = Vec3::Zero();                  // [length]
     std::string length_unit = "m";
+    std::vector<LampRule> rules;  // what other rules would choose; may be empty
 };
 
 struct ObjectReport {

@@ -252,6 +252,8 @@ std::string selection_section(const ReportData& data) {
             "from "
             "the object, numbered in the order of choice; the blue ones alone suffice for the "
             "diffuse component.");
+        figures += lamp_rule_table(object.selection->rules, object.selection->chosen.size());
+        figures += lamp_rule_charts(object.selection->rules, object.selection->chosen.size());
     }
     if (figures.empty()) return "";
     return html_figure(

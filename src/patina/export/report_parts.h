@@ -37,6 +37,8 @@ namespace patina {
 [[nodiscard]] std::string images_section(const ReportData& data);
 [[nodiscard]] std::string selection_section(const ReportData& data);
 [[nodiscard]] std::string maps_section(const ReportData& data);
+[[nodiscard]] std::string certainty_section(const ReportData& data);
+[[nodiscard]] std::string scale_section(const ReportData& data);
 [[nodiscard]] std::string convergence_section(const ReportData& data);
 [[nodiscard]] std::string times_section(const ReportData& data);
 

@@ -1,13 +1,12 @@
 // The sections of the report that are pictures: Figure 6, and the maps.
+#include "patina/export/picture_grid.h"
 #include "patina/export/report_parts.h"
 #include "patina/math/statistics.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <functional>
 
 namespace patina {
 namespace {
@@ -17,48 +16,15 @@ constexpr double kWhiteLevel = 255;
 constexpr double kRangeShare = 0.98;
 // Differences below this many levels are not stretched to full colour.
 constexpr double kMinDifferenceLimit = 2;
-// Maps are drawn at this share of the largest width of a picture: there are many side by side.
-constexpr double kMapShare = 0.6;
 constexpr double kPdErrorLimit = 0.25;
-// On the page [pixels]. A colour bar fits into the smallest width.
+// On the page [pixels].
 constexpr double kMaxImageHeight = 300;
-constexpr double kMaxMapHeight = 200;
-constexpr double kMinPictureWidth = 180;
-
-using Color = std::function<Rgb(double)>;
-
-Color sequential(double low, double high) {
-    return [=](double value) { return sequential_color((value - low) / (high - low)); };
-}
 
 Color diverging(double limit) {
     return [=](double value) { return diverging_color(value / limit); };
 }
 
 Rgb grey(double value) { return Rgb::Constant(srgb_from_linear(value)); }
-
-std::string head_cell(std::string_view title, std::string_view note) {
-    return fmt::format(
-        "<div class=\"head\">{}<small>{}</small></div>", escape_html(title), escape_html(note));
-}
-
-std::string name_cell(std::string_view name, std::string_view note = "") {
-    return fmt::format(
-        "<div class=\"name\">{}<small>{}</small></div>", escape_html(name), escape_html(note));
-}
-
-// A column of names and columns of pictures of this shape, none higher than max_height [pixels].
-std::string picture_grid(int columns,
-                         const Image& shape,
-                         double max_height,
-                         const std::string& cells) {
-    return fmt::format(
-        "<div class=\"pictures\" style=\"grid-template-columns:8.5rem "
-        "repeat({},minmax(0,{:.0f}px))\">{}</div>\n",
-        columns,
-        std::max(kMinPictureWidth, max_height * shape.width / shape.height),
-        cells);
-}
 
 // The largest value that a colour bar shows: a quantile over the mask's pixels, never 0.
 double upper_range(const Image& image, const PixelMask& mask) {
@@ -208,39 +174,14 @@ std::string map_row(const std::string& label,
 
 // Shares of the texels on the surface by status, as a bar and in numbers.
 std::string status_bars(const ObjectReport& object) {
-    static constexpr std::array<const char*, 4> kNames = {
-        "", "all measured", "Pd measured, lobe filled", "never usefully observed"};
-    HtmlTable table;
-    table.columns = {"Texels", "on the surface", kNames[1], kNames[2], kNames[3]};
-    std::string bars;
+    const std::vector<ShareLabel> labels = {{1, "all measured", status_color(1)},
+                                            {2, "Pd measured, lobe filled", status_color(2)},
+                                            {3, "never usefully observed", status_color(3)}};
+    std::vector<LabelledMap> maps;
     for (const MethodReport& method : object.methods) {
-        std::array<std::size_t, 4> counts = {};
-        for (const float status : method.maps.status.data) {
-            ++counts[std::size_t(std::clamp(int(std::lround(status)), 0, 3))];
-        }
-        const std::size_t total = counts[1] + counts[2] + counts[3];
-        if (total == 0) continue;
-        std::vector<std::string> cells = {method_label(method.method),
-                                          format_number(double(total))};
-        std::string bar;
-        for (std::size_t k = 1; k < counts.size(); ++k) {
-            const double share = double(counts[k]) / double(total);
-            cells.push_back(format_percent(share));
-            bar += fmt::format("<i style=\"width:{:.2f}%;background:{}\"></i>",
-                               100 * share,
-                               css_color(status_color(int(k))));
-        }
-        bars += "<div class=\"stack\">" + bar + "</div>";
-        table.rows.push_back({std::move(cells)});
+        maps.push_back({method_label(method.method), &method.maps.status});
     }
-    if (table.rows.empty()) return "";
-    std::string legend = "<ul class=\"legend\">";
-    for (std::size_t k = 1; k < kNames.size(); ++k) {
-        legend += fmt::format("<li><span class=\"swatch\" style=\"background:{}\"></span>{}</li>",
-                              css_color(status_color(int(k))),
-                              kNames[k]);
-    }
-    return legend + "</ul>" + bars + html_table(table);
+    return share_bars(labels, maps);
 }
 
 std::string maps_figure(const ReportData& data, const ObjectReport& object) {
@@ -251,7 +192,7 @@ std::string maps_figure(const ReportData& data, const ObjectReport& object) {
     const ReportMaps& reference = object.truth ? *object.truth : object.methods.back().maps;
     const PixelMask mask = status_mask(reference, 1, 3);
     MapScales scales;
-    scales.width = std::max(1, int(kMapShare * data.max_picture_width));
+    scales.width = map_width(data.max_picture_width);
     scales.object = object.title;
     if (!reference.specular.empty()) scales.specular_high = upper_range(reference.specular, mask);
     if (!reference.roughness.empty()) {

@@ -10,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 
 namespace patina {
 namespace {
@@ -44,6 +45,17 @@ MethodReport make_method(const std::string& name, double error) {
         method.iterations.push_back(log);
     }
     method.converged = true;
+    CertaintyMaps& certainty = method.certainty;
+    certainty.diffuse_stderr = Image(kWidth, kHeight, 3, 0.01F);
+    certainty.specular_stderr = Image(kWidth, kHeight, 1, std::numeric_limits<float>::infinity());
+    certainty.roughness_stderr = Image(kWidth, kHeight, 1, 0.02F);
+    certainty.measurability = Image(kWidth, kHeight, 3, 0.04F);
+    certainty.reason = Image(kWidth, kHeight, 1, 1);
+    for (int x = 0; x < kWidth; ++x) {
+        certainty.reason.at(x, 0) = 0;
+        for (int y = 1; y < 4; ++y) certainty.reason.at(x, y) = 4;
+    }
+    method.scale = ScaleEstimate{true, 1.5, 0.0375, 1.5, ""};
     method.heldout = LevelComparison{10 * error, 100 * error, error};
     method.used = LevelComparison{11 * error, 110 * error, 1.1 * error};
     method.truth_diffuse = TruthComparison{error, 0.9 * error, 0.4 * error, 0.68, 0.95};
@@ -65,6 +77,9 @@ SelectionReport make_selection() {
     selection.chosen_for_diffuse = {4};
     selection.shares = {{0.5, 0}, {0.75, 0.125}, {0.875, 0.25}};
     selection.share_with_all = {0.9375, 0.3125};
+    // Random has no fourth lamp to offer, paper not even a third.
+    selection.rules = {{"paper", {0, 0.1, 0.2}, {0, 0.3, 0.4}, {0, 0.5, 0.625}},
+                       {"random", {0, 0.1, 0.125, 0.25}, {0, 0.1, 0.2, 0.3}, {0, 0.2, 0.4, 0.6}}};
     return selection;
 }
 
@@ -117,12 +132,15 @@ TEST(ReportPage, ShowsEverySectionAndItsNumbers) {
                            "images",
                            "lamps",
                            "maps",
+                           "certainty",
+                           "scale",
                            "truth",
                            "convergence",
                            "times"}) {
         EXPECT_THAT(page, HasSubstr("<section id=\"" + std::string(id) + "\">"));
     }
-    // Ours, the paper's, the seed, lambda, Fig. 4(d)'s pair, a share, a time.
+    // Ours, the paper's, the seed, lambda, Fig. 4(d)'s pair, a share, a time; rules at three lamps,
+    // the share of a reason (3 of 15 rows), the lamps' strength and its error.
     for (const char* number : {">4.00<",
                                ">493.3<",
                                ">0.51<",
@@ -131,6 +149,11 @@ TEST(ReportPage, ShowsEverySectionAndItsNumbers) {
                                ">3 (1)<",
                                ">87.5\u202f%<",
                                ">12.2\u202fs<",
+                               ">62.5\u202f%<",
+                               ">25.0\u202f%<",
+                               ">20.0\u202f%<",
+                               ">1.500<",
+                               ">3.8\u202f%<",
                                "1.2.3"}) {
         EXPECT_THAT(page, HasSubstr(number)) << number;
     }
@@ -161,7 +184,14 @@ TEST(ReportPage, LeavesOutWhatIsMissing) {
     const std::string page = report_page(data);
     EXPECT_EQ(nesting_error(page), "");
     EXPECT_THAT(page, HasSubstr("<section id=\"maps\">"));
-    for (const char* id : {"differences", "profiles", "images", "lamps", "truth", "convergence"}) {
+    for (const char* id : {"differences",
+                           "profiles",
+                           "images",
+                           "lamps",
+                           "certainty",
+                           "scale",
+                           "truth",
+                           "convergence"}) {
         EXPECT_THAT(page, Not(HasSubstr("<section id=\"" + std::string(id) + "\">")));
     }
     data.objects.clear();

@@ -3,8 +3,9 @@
 #include "patina/base/output_file.h"
 #include "patina/pipeline/compare_result.h"
 #include "patina/pipeline/estimate_capture.h"
+#include "patina/pipeline/plan_output.h"
 #include "patina/pipeline/version.h"
-#include "patina/plan/greedy_cover.h"
+#include "patina/plan/lamp_study.h"
 #include "patina/scan/scanner.h"
 
 #include <fmt/format.h>
@@ -107,21 +108,14 @@ class Experiment {
   private:
     std::vector<std::size_t> plan(const SimulatedObject& object) {
         const Capture rig = simulate_rig(object, scan_);
-        CoverOptions cover;
-        cover.min_gain = kMinGain;
-        const LightPlan plan = plan_lights(rig, cover, progress_);
-        SelectionReport selection;
-        selection.lamps = rig.description.lights;
-        selection.chosen = plan.chosen;
-        selection.chosen_for_diffuse = plan.chosen_for_diffuse;
-        selection.candidates = plan.candidates;
-        for (const MeasurableShare& share : plan.shares) {
-            selection.shares.emplace_back(share.diffuse, share.specular);
-        }
-        selection.share_with_all = {plan.share_with_all.diffuse, plan.share_with_all.specular};
-        selection.object_center = bounds_of(rig.mesh).center();
-        report_.selection = std::move(selection);
-        return plan.chosen;
+        StudyOptions study_options;
+        study_options.rule = PlanRule::paper;
+        study_options.cover.min_gain = kMinGain;
+        study_options.num_next = 0;
+        study_options.seed = options_.seed;
+        const LampStudy study = study_lamps(rig, {}, study_options, progress_);
+        report_.selection = selection_report(rig, study);
+        return study.plan.chosen;
     }
 
     void run_method(const Capture& capture, Method method, const fs::path& folder) {
@@ -142,6 +136,12 @@ class Experiment {
         report.method = method_name(method);
         report.maps = {
             result.maps.diffuse, result.maps.specular, result.maps.roughness, result.maps.status};
+        report.certainty = {result.maps.diffuse_stderr,
+                            result.maps.specular_stderr,
+                            result.maps.roughness_stderr,
+                            result.maps.measurability,
+                            result.maps.reason};
+        report.scale = estimate.scale;
         report.iterations = estimate.iterations;
         report.converged = estimate.converged;
         report.spectral_radius = estimate.iterations.back().spectral_radius;

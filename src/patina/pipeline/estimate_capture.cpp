@@ -43,7 +43,7 @@ class MapWriter {
 ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
     const Image three(atlas.width, atlas.height, 3);
     const Image one(atlas.width, atlas.height, 1);
-    ReflectanceMaps maps{three, one, one, three, one, one, one};
+    ReflectanceMaps maps{three, one, one, three, one, one, one, three, one};
     for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
         const MapWriter texel(atlas, i);
         texel.store(maps.diffuse, estimate.maps[i].diffuse);
@@ -53,6 +53,10 @@ ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
         texel.store(maps.specular_stderr, estimate.errors[i].specular);
         texel.store(maps.roughness_stderr, estimate.errors[i].roughness);
         texel.store(maps.status, double(estimate.status[i]));
+        const ExpectedErrors& expected = estimate.measurability[i].errors;
+        texel.store(maps.measurability,
+                    Rgb(expected.diffuse, expected.specular, expected.roughness));
+        texel.store(maps.reason, double(estimate.measurability[i].reason));
     }
     return maps;
 }
@@ -70,6 +74,18 @@ Json iterations_json(const std::vector<IterationLog>& iterations) {
         list.push(std::move(item));
     }
     return list;
+}
+
+// How many texels there are of every reason but that of being off the surface.
+Json reasons_json(const std::vector<TexelMeasurability>& measurability) {
+    std::array<std::int64_t, kLobeReasons.size()> counts = {};
+    for (const TexelMeasurability& texel : measurability) ++counts[std::size_t(texel.reason)];
+    Json json = Json::object();
+    for (const LobeReason reason : kLobeReasons) {
+        if (reason == LobeReason::off_surface) continue;
+        json.set(lobe_reason_name(reason), Json(counts[std::size_t(reason)]));
+    }
+    return json;
 }
 
 Json texels_json(const TexelAtlas& atlas, const Estimate& estimate) {
@@ -94,6 +110,7 @@ Json texels_json(const TexelAtlas& atlas, const Estimate& estimate) {
     texels.set("width", Json(atlas.width));
     texels.set("height", Json(atlas.height));
     texels.set("by_status", std::move(counts));
+    texels.set("by_reason", reasons_json(estimate.measurability));
     texels.set("seen", Json(num_seen));
     texels.set("seen_measured_share",
                Json(num_seen > 0 ? double(num_seen_measured) / double(num_seen) : 0.0));
@@ -352,6 +369,13 @@ std::string estimate_text(const Json& result) {
     table.add({"measured (status 1)", fmt::format("{} texels", by_status.find("1")->integer)});
     table.add({"diffuse measured (2)", fmt::format("{} texels", by_status.find("2")->integer)});
     table.add({"filled (3)", fmt::format("{} texels", by_status.find("3")->integer)});
+    const Json& by_reason = *texels.find("by_reason");
+    for (const LobeReason reason : kLobeReasons) {
+        const Json* const count = by_reason.find(lobe_reason_name(reason));
+        if (count == nullptr || count->integer == 0) continue;
+        table.add({fmt::format("lobe: {}", lobe_reason_words(reason)),
+                   fmt::format("{} texels", count->integer)});
+    }
     table.add({"seen texels measured",
                fmt::format("{:.1f} %", 100 * texels.find("seen_measured_share")->number)});
     table.add(

@@ -3,7 +3,7 @@
 #include "patina/base/output_file.h"
 #include "patina/export/html_page.h"
 #include "patina/export/lamp_map.h"
-#include "patina/export/svg_plot.h"
+#include "patina/export/lamp_rules.h"
 #include "patina/scene/mesh_io.h"
 
 #include <fmt/format.h>
@@ -37,42 +37,18 @@ void write_rig(const Capture& capture, const LightPlan& plan, const fs::path& fo
     write_capture_description(rig, folder);
 }
 
-// One value of every rule over the number of lamps.
-template <typename Value>
-Plot rule_plot(const LampStudy& study, const std::string& title, const Value& value) {
-    Plot plot;
-    plot.title = title;
-    plot.x_axis = {"lamps besides those taken"};
-    plot.y_axis = {"share of the seen texels [%]", AxisScale::linear, 0, 100};
+std::vector<LampRule> lamp_rules(const LampStudy& study) {
+    std::vector<LampRule> rules;
     for (const RuleCurve& curve : study.curves) {
-        PlotSeries series;
-        series.label = curve.rule;
-        for (std::size_t n = 0; n < curve.worth.size(); ++n) {
-            series.x.push_back(double(n));
-            series.y.push_back(100 * value(curve.worth[n]));
+        LampRule& rule = rules.emplace_back();
+        rule.rule = curve.rule;
+        for (const PlanWorth& worth : curve.worth) {
+            rule.known.push_back(worth.known);
+            rule.specular.push_back(worth.share.specular);
+            rule.diffuse.push_back(worth.share.diffuse);
         }
-        series.color = int(plot.series.size()) + 1;
-        series.is_dashed = curve.rule == "random" || curve.rule == "uniform";
-        plot.series.push_back(std::move(series));
     }
-    plot.marks = {{double(study.plan.chosen.size()), "chosen"}};
-    return plot;
-}
-
-std::string curves_html(const LampStudy& study) {
-    const Plot known =
-        rule_plot(study, "Ps known to 10 %", [](const PlanWorth& worth) { return worth.known; });
-    const Plot specular = rule_plot(study, "Specular component measurable", [](const auto& worth) {
-        return worth.share.specular;
-    });
-    const Plot diffuse = rule_plot(study, "Diffuse component measurable", [](const auto& worth) {
-        return worth.share.diffuse;
-    });
-    return html_figure(plot_legend(known.series) + "<div class=\"row\">" + svg_plot(known) +
-                           svg_plot(specular) + svg_plot(diffuse) + "</div>",
-                       "Every rule at equal number of lamps. Known to 10 %: by the standard error "
-                       "that the looks allow. Measurable: two lamps near the highlight, or one "
-                       "away from it. Random: the median of many draws; uniform: spread evenly.");
+    return rules;
 }
 
 std::string table_html(const Capture& capture, const LampStudy& study) {
@@ -101,20 +77,30 @@ std::string table_html(const Capture& capture, const LampStudy& study) {
                        "geometric mean of the standard errors of Pd, Ps and sigma.");
 }
 
-std::string map_html(const Capture& capture, const LampStudy& study) {
-    SelectionReport selection;
-    selection.lamps = capture.description.lights;
-    selection.chosen = study.plan.chosen;
-    selection.chosen_for_diffuse = study.plan.chosen_for_diffuse;
-    selection.candidates = study.plan.candidates;
-    selection.object_center = bounds_of(capture.mesh).center();
-    selection.length_unit = length_unit_name(capture.description.length_unit);
+std::string map_html(const SelectionReport& selection) {
     return html_figure(lamp_map(selection),
                        "The candidates as seen from the object, numbered in the order of choice; "
                        "the blue ones alone suffice for the diffuse component.");
 }
 
 }  // namespace
+
+SelectionReport selection_report(const Capture& capture, const LampStudy& study) {
+    const LightPlan& plan = study.plan;
+    SelectionReport selection;
+    selection.lamps = capture.description.lights;
+    selection.chosen = plan.chosen;
+    selection.chosen_for_diffuse = plan.chosen_for_diffuse;
+    selection.candidates = plan.candidates;
+    for (const MeasurableShare& share : plan.shares) {
+        selection.shares.emplace_back(share.diffuse, share.specular);
+    }
+    selection.share_with_all = {plan.share_with_all.diffuse, plan.share_with_all.specular};
+    selection.object_center = bounds_of(capture.mesh).center();
+    selection.length_unit = length_unit_name(capture.description.length_unit);
+    selection.rules = lamp_rules(study);
+    return selection;
+}
 
 std::string lamp_directions_text(const Capture& capture, const LightPlan& plan) {
     const Vec3 center = bounds_of(capture.mesh).center();
@@ -131,13 +117,16 @@ std::string lamp_directions_text(const Capture& capture, const LightPlan& plan) 
 }
 
 std::string plan_page(const Capture& capture, const LampStudy& study) {
+    const SelectionReport selection = selection_report(capture, study);
     const std::string name = capture.description.name;
     const std::string title = name.empty() ? "Lamp plan" : "Lamp plan of " + name;
     return html_document(title,
                          "<h1>" + escape_html(title) + "</h1>",
-                         {{"curves", "Lamps and what they show", curves_html(study)},
+                         {{"curves",
+                           "Lamps and what they show",
+                           lamp_rule_charts(selection.rules, selection.chosen.size())},
                           {"lamps", "Chosen lamps", table_html(capture, study)},
-                          {"map", "Where they stand", map_html(capture, study)}});
+                          {"map", "Where they stand", map_html(selection)}});
 }
 
 void write_plan(const Capture& capture, const LampStudy& study, const fs::path& folder) {
