@@ -288,6 +288,9 @@ void validate(const EstimateOptions& options) {
     require(options.gather.lobe_rays >= 8 && options.gather.lobe_rays % 8 == 0,
             "--lobe-rays",
             "a multiple of 8");
+    if (!options.graph_file.empty() && options.method != Method::gather) {
+        throw Error("--graph", "", "is of no use to this method", "--method gather");
+    }
     require(options.max_iterations >= 1, "--iterations", "1 or more");
     require(options.threshold >= 0, "--threshold", "0 or more");
     require(options.tolerance > 0, "--tolerance", "a number above 0");

@@ -14,6 +14,7 @@
 #include "patina/transport/gather_graph.h"
 #include "patina/transport/ratio_kernel.h"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -33,6 +34,8 @@ struct EstimateOptions {
     PhotonOptions photons;
     RatioKernelOptions kernel;
     GatherOptions gather;
+    // Where method gather keeps its graph for the next estimate; empty: nowhere.
+    std::filesystem::path graph_file;
     double filter_radius = 2.0;  // of the indirect light of method gather [texels]; > 0
     ObservationOptions observations;
     FitOptions fit;

@@ -1,6 +1,7 @@
 #include "patina/estimate/gather_engine.h"
 
 #include "patina/base/parallel.h"
+#include "patina/transport/gather_graph_file.h"
 
 #include <algorithm>
 #include <map>
@@ -11,12 +12,12 @@ namespace {
 // Texels with less specular albedo than this do not show indirect light by their lobe.
 constexpr double kNegligibleLobe = 1e-5;
 
-// Directions to the camera where it sees the texel from in front, zero elsewhere.
-ViewDirections directions_of(const std::vector<TexelView>& views,
-                             std::span<const std::uint8_t> seen) {
+// Directions to the camera where it sees the texel, zero elsewhere. Whether a lamp shines there
+// does not count: the graph is the same for all lamps.
+ViewDirections directions_of(const std::vector<TexelView>& views) {
     ViewDirections directions(views.size(), Vec3f::Zero());
     for (std::size_t i = 0; i < views.size(); ++i) {
-        if (seen[i] != 0 && views[i].state != ViewState::hidden) directions[i] = views[i].w_v;
+        if (views[i].state != ViewState::hidden) directions[i] = views[i].w_v;
     }
     return directions;
 }
@@ -26,16 +27,18 @@ ViewDirections directions_of(const std::vector<TexelView>& views,
 GatherEngine::GatherEngine(const Surface& surface,
                            const TexelAtlas& atlas,
                            const SceneView& scene,
-                           std::span<const std::uint8_t> seen,
                            const EstimateOptions& options,
                            Progress& progress)
     : atlas_(atlas), scene_(scene) {
     for (const std::vector<TexelView>& views : scene.views) {
-        views_.push_back(directions_of(views, seen));
+        views_.push_back(directions_of(views));
     }
     GatherOptions gather = options.gather;
     gather.seed = options.photons.seed;
-    graph_ = trace_gather_graph(surface, atlas, views_, gather, progress);
+    graph_ = options.graph_file.empty()
+                 ? trace_gather_graph(surface, atlas, views_, gather, progress)
+                 : read_or_trace_gather_graph(
+                       options.graph_file, surface, atlas, views_, gather, progress);
     progress.begin_stage("light at the hits");
     filter_ = build_surface_filter(atlas, options.filter_radius);
 

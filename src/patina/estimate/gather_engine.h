@@ -14,11 +14,10 @@ namespace patina {
 
 class GatherEngine final : public IndirectEngine {
   public:
-    // Traces the graph.
+    // Reads the graph from options.graph_file, or traces it.
     GatherEngine(const Surface& surface,
                  const TexelAtlas& atlas,
                  const SceneView& scene,
-                 std::span<const std::uint8_t> seen,
                  const EstimateOptions& options,
                  Progress& progress);
 

@@ -56,8 +56,7 @@ class ManyLamps : public testing::Test {
         options.gather.rays = 8;
         options.gather.lobe_rays = 8;
         Progress progress;
-        GatherEngine engine(
-            channel_.scene.surface(), channel_.atlas, scene, seen_, options, progress);
+        GatherEngine engine(channel_.scene.surface(), channel_.atlas, scene, options, progress);
         (void)engine.evaluate(channel_.maps, seen_, true);
         return engine.evaluate(channel_.maps, seen_, true);
     }
@@ -118,7 +117,7 @@ TEST_F(ManyLamps, SendTheSameAgainAfterARestart) {
     options.gather.lobe_rays = 8;
     Progress progress;
     const SceneView view = scene({{0}, {1}});
-    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, options, progress);
     const IndirectLight first = engine.evaluate(channel_.maps, seen_, true);
     const IndirectLight second = engine.evaluate(channel_.maps, seen_, true);
     engine.restart();
@@ -138,7 +137,7 @@ TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
     options.gather.lobe_rays = 8;
     Progress progress;
     const SceneView view = scene({{0}, {2}});
-    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, options, progress);
     const std::vector<Reflectance> maps(channel_.atlas.texels.size(), lambertian(0.5));
     // One sweep knows nothing of it, two know one change.
     EXPECT_EQ(engine.evaluate(maps, seen_, false).spectral_radius, 0);
@@ -148,8 +147,7 @@ TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
     for (const std::size_t k : {0U, 1U}) {
         const double albedo = k == 0 ? 0.4 : 0.8;
         const std::vector<Reflectance> grey(maps.size(), lambertian(albedo));
-        GatherEngine fresh(
-            channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+        GatherEngine fresh(channel_.scene.surface(), channel_.atlas, view, options, progress);
         for (int turn = 0; turn < 4; ++turn) {
             radius[k] = fresh.evaluate(grey, seen_, false).spectral_radius;
         }

@@ -54,7 +54,7 @@ Estimate estimate_by_gathering(const Capture& capture,
                                Observations& observations,
                                const EstimateOptions& options,
                                Progress& progress) {
-    GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
+    GatherEngine engine(surface, capture.atlas, scene, options, progress);
     std::optional<ScaleEstimate> scale;
     if (capture.description.radiometry.scale_unknown) {
         GatherIteration trials(capture, scene, observations, options);

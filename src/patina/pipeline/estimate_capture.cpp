@@ -3,6 +3,7 @@
 #include "patina/base/output_file.h"
 #include "patina/pipeline/text_table.h"
 #include "patina/pipeline/version.h"
+#include "patina/transport/gather_graph_file.h"
 
 #include <fmt/format.h>
 
@@ -146,6 +147,16 @@ std::string scale_words(const Json& scale) {
                        100 * scale.find("standard_error")->number);
 }
 
+// The result's folder is replaced as a whole, with all that lies in it.
+void check_graph_file(const fs::path& file, const fs::path& result) {
+    const fs::path inside = fs::weakly_canonical(fs::absolute(file))
+                                .lexically_relative(fs::weakly_canonical(fs::absolute(result)));
+    if (inside.empty() || *inside.begin() != "..") {
+        throw Error("--graph", "", "lies in the result's folder", "a place beside it");
+    }
+    check_gather_graph_file(file);
+}
+
 Json make_json(const Capture& capture, const EstimateOptions& options, const Estimate& estimate) {
     EstimateOptions copy = options;
     Json json = Json::object();
@@ -228,6 +239,11 @@ OptionTable fine_option_table(EstimateOptions& options) {
                        options.gather.lobe_rays,
                        between(8, 65'536),
                        "rays of method gather towards the lobe of each texel and camera"),
+        not_a_setting(path_option("graph",
+                                  "FILE",
+                                  options.graph_file,
+                                  "keep the graph of method gather there, and reuse it where "
+                                  "geometry, cameras and settings are the same")),
         number_option("filter_radius",
                       options.filter_radius,
                       between(0.1, 20),
@@ -320,6 +336,7 @@ Json estimate_capture(const fs::path& capture_path,
                       const EstimateOptions& options,
                       Progress& progress) {
     validate(options);
+    if (!options.graph_file.empty()) check_graph_file(options.graph_file, result_path);
     OutputFolder folder(result_path, "-o");
     progress.begin_stage("read geometry");
     const Capture capture = load_capture(capture_path);

@@ -50,6 +50,10 @@ struct GatherGraph {
     std::uint64_t num_rays = 0;     // that were traced
 };
 
+// Raised with every change of the rays or of what is kept of them: saved graphs of other versions
+// are not used.
+inline constexpr std::uint64_t kGatherGraphVersion = 1;
+
 // Texels around which a first handful of rays meets nothing count as convex and get no more rays.
 // views: per camera, one direction per texel (unit, towards the camera).
 [[nodiscard]] GatherGraph trace_gather_graph(const Surface& surface,
