@@ -111,6 +111,29 @@ TEST_F(ManyLamps, SendTogetherTheSumOfWhatTheySend) {
     }
 }
 
+TEST_F(ManyLamps, SendTheSameWhereTheirLightAtTheHitsIsNotKept) {
+    std::vector<std::vector<std::size_t>> sets(1, std::vector<std::size_t>(kNumLamps));
+    std::iota(sets[0].begin(), sets[0].end(), std::size_t(0));
+    const SceneView view = scene(sets);
+    const auto two_turns = [&](std::size_t kept_blocks) {
+        EstimateOptions options;
+        options.gather.rays = 8;
+        options.gather.lobe_rays = 8;
+        Progress progress;
+        GatherEngine engine(
+            channel_.scene.surface(), channel_.atlas, view, options, progress, kept_blocks);
+        (void)engine.evaluate(channel_.maps, seen_, true);
+        return engine.evaluate(channel_.maps, seen_, true);
+    };
+    const IndirectLight kept = two_turns(2);
+    for (const std::size_t kept_blocks : {0U, 1U}) {
+        const IndirectLight again = two_turns(kept_blocks);
+        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[0], again.irradiance[0].halves[0]));
+        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[1], again.irradiance[0].halves[1]));
+        EXPECT_TRUE(same_bytes(kept.lobe[0], again.lobe[0]));
+    }
+}
+
 TEST_F(ManyLamps, SendTheSameAgainAfterARestart) {
     EstimateOptions options;
     options.gather.rays = 8;

@@ -1,6 +1,7 @@
 #include "patina/pipeline/estimate_capture.h"
 
 #include "patina/base/output_file.h"
+#include "patina/base/process_memory.h"
 #include "patina/pipeline/text_table.h"
 #include "patina/pipeline/version.h"
 #include "patina/transport/gather_graph_file.h"
@@ -9,7 +10,6 @@
 
 #include <array>
 #include <cmath>
-#include <sys/resource.h>
 
 namespace patina {
 namespace {
@@ -102,15 +102,7 @@ Json texels_json(const TexelAtlas& atlas, const Estimate& estimate) {
     return texels;
 }
 
-// Peak resident memory of this process [bytes].
-std::int64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    constexpr std::int64_t kBytesPerKibibyte = 1024;
-    return std::int64_t(usage.ru_maxrss) * kBytesPerKibibyte;
-}
-
-Json timing_json(const Progress& progress) {
+Json timing_json(const Progress& progress, const Estimate& estimate) {
     Json stages = Json::object();
     double total = 0;
     for (const StageTime& time : progress.stage_times()) {
@@ -121,6 +113,9 @@ Json timing_json(const Progress& progress) {
     timing.set("stages_s", std::move(stages));
     timing.set("total_s", Json(total));
     timing.set("peak_memory_bytes", Json(peak_memory_bytes()));
+    if (estimate.reckoned_memory) {
+        timing.set("reckoned_memory_bytes", Json(std::int64_t(*estimate.reckoned_memory)));
+    }
     return timing;
 }
 
@@ -244,6 +239,12 @@ OptionTable fine_option_table(EstimateOptions& options) {
                                   options.graph_file,
                                   "keep the graph of method gather there, and reuse it where "
                                   "geometry, cameras and settings are the same")),
+        not_a_setting(number_option("memory",
+                                    options.memory,
+                                    above(0),
+                                    "GiB",
+                                    "what is needed",
+                                    "stay within so much with method gather, if need be slower")),
         number_option("filter_radius",
                       options.filter_radius,
                       between(0.1, 20),
@@ -346,7 +347,7 @@ Json estimate_capture(const fs::path& capture_path,
                                    capture.atlas.texels.size()));
     const Estimate estimate = estimate_reflectance(capture, options, progress);
     Json json = make_json(capture, options, estimate);
-    json.set("timing", timing_json(progress));
+    json.set("timing", timing_json(progress, estimate));
     Result result = make_result(capture, options, estimate);
     result.json = to_text(json);
     write_result(folder.path(), result);

@@ -62,4 +62,17 @@ inline constexpr std::uint64_t kGatherGraphVersion = 1;
                                              const GatherOptions& options,
                                              Progress& progress);
 
+// How many hits a graph will hold.
+struct GatherHitCount {
+    double irradiance = 0;
+    std::vector<double> lobes;  // per camera view
+};
+
+// Judged by some thousand texels, evenly spread; texels that count as convex are taken for others,
+// so that it is rather too many.
+[[nodiscard]] GatherHitCount expect_gather_hits(const Surface& surface,
+                                                const TexelAtlas& atlas,
+                                                std::span<const ViewDirections> views,
+                                                const GatherOptions& options);
+
 }  // namespace patina

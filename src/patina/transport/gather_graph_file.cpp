@@ -253,7 +253,7 @@ GatherGraph read_or_trace_gather_graph(const fs::path& path,
     try {
         write_gather_graph(path, fingerprint, graph);
         progress.end_stage(fmt::format(
-            "written to {}, {:.2f} GiB", path.string(), double(fs::file_size(path)) / (1 << 30)));
+            "written to {}, {:.1f} MiB", path.string(), double(fs::file_size(path)) / (1 << 20)));
     } catch (const WorkFailed& failure) {
         progress.end_stage();
         progress.note(
