@@ -45,7 +45,7 @@ class LampBlockLight {
   public:
     // turning: whether the lamps turn with the scanner. keeps_hits: whether their light at the hits
     // stays in memory, or is computed again for each sweep; the same light in either case. Keeps
-    // references to surface and atlas.
+    // references to the atlas and to what the surface points to.
     LampBlockLight(const Surface& surface,
                    const TexelAtlas& atlas,
                    const GatherGraph& graph,
@@ -95,7 +95,7 @@ class LampBlockLight {
                                        std::size_t hit_index,
                                        const std::vector<CompactLanes>& compact) const;
 
-    const Surface& surface_;
+    Surface surface_;
     const TexelAtlas& atlas_;
     LampBlock lamps_;
     bool turning_;
