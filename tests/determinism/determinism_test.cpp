@@ -92,6 +92,31 @@ TEST(Determinism, RenderLeavesTheSameBytesForAllThreads) {
     expect_same_for_all_threads("render " + capture + " " + result + " --samples 8", folder);
 }
 
+TEST(Determinism, ASavedGraphLeavesTheSameBytesForAllThreads) {
+    const TestFolder folder;
+    const std::string capture = make_tiny_capture(folder.path());
+    const std::string words = "estimate " + capture + " --iterations 8";
+    const std::string graph = " --graph '" + (folder / "graph").string() + "'";
+    const auto run = [&](const std::string& arguments, const char* name) {
+        const ProgramRun estimate = run_program(
+            words + arguments + " -o '" + (folder / name).string() + "'", folder.path());
+        EXPECT_EQ(estimate.status, 0) << estimate.errors;
+        return estimate.errors;
+    };
+    const std::string read = "gather graph: read from ";
+    run("", "without");
+    EXPECT_EQ(run(graph + " --threads 1", "written").find(read), std::string::npos);
+    const std::string bytes = read_file(folder / "graph");
+    EXPECT_NE(run(graph + " --threads 2", "read").find(read), std::string::npos);
+    expect_equal_files(folder / "without", folder / "written");
+    expect_equal_files(folder / "without", folder / "read");
+    EXPECT_TRUE(read_file(folder / "graph") == bytes);
+    // Traced by two threads.
+    fs::remove(folder / "graph");
+    run(graph + " --threads 2", "again");
+    EXPECT_TRUE(read_file(folder / "graph") == bytes);
+}
+
 TEST(Determinism, AnotherSeedGivesOtherBytes) {
     const TestFolder folder;
     const std::string capture = make_tiny_capture(folder.path());

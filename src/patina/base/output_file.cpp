@@ -2,7 +2,6 @@
 
 #include "patina/base/error.h"
 
-#include <fstream>
 #include <sstream>
 #include <unistd.h>
 
@@ -65,22 +64,43 @@ void OutputFolder::commit() {
     if (!replaced.empty()) fs::remove_all(replaced, code);
 }
 
-void write_file(const fs::path& target, const std::string& contents) {
-    const fs::path path = absolute_target(target);
-    const fs::path temporary = temporary_beside(path);
-    {
-        std::ofstream stream(temporary, std::ios::binary);
-        stream.write(contents.data(), static_cast<std::streamsize>(contents.size()));
-        stream.close();
-        if (!stream) {
-            std::error_code ignored;
-            fs::remove(temporary, ignored);
-            throw WorkFailed(target.string() + ": cannot be written");
-        }
-    }
+OutputFile::OutputFile(const fs::path& target)
+    : name_(target.string()),
+      target_(absolute_target(target)),
+      temporary_(temporary_beside(target_)),
+      stream_(temporary_, std::ios::binary) {
+    if (!stream_) fail("");
+}
+
+OutputFile::~OutputFile() {
+    if (committed_) return;
+    stream_.close();
+    std::error_code ignored;
+    fs::remove(temporary_, ignored);
+}
+
+void OutputFile::fail(const std::string& why) const {
+    throw WorkFailed(name_ + ": cannot be written" + why);
+}
+
+void OutputFile::write(std::span<const std::byte> bytes) {
+    stream_.write(reinterpret_cast<const char*>(bytes.data()), std::streamsize(bytes.size()));
+    if (!stream_) fail("");
+}
+
+void OutputFile::commit() {
+    stream_.close();
+    if (!stream_) fail("");
     std::error_code code;
-    fs::rename(temporary, path, code);
-    if (code) throw WorkFailed(target.string() + ": cannot be written: " + code.message());
+    fs::rename(temporary_, target_, code);
+    if (code) fail(": " + code.message());
+    committed_ = true;
+}
+
+void write_file(const fs::path& target, const std::string& contents) {
+    OutputFile file(target);
+    file.write(std::as_bytes(std::span(contents)));
+    file.commit();
 }
 
 std::string read_file(const fs::path& path) {

@@ -2,7 +2,10 @@
 // target and renamed at the end.
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <fstream>
+#include <span>
 #include <string>
 
 namespace patina {
@@ -25,6 +28,27 @@ class OutputFolder {
   private:
     std::filesystem::path target_;
     std::filesystem::path temporary_;
+    bool committed_ = false;
+};
+
+// A file under construction, likewise. Throws WorkFailed when the disk refuses.
+class OutputFile {
+  public:
+    explicit OutputFile(const std::filesystem::path& target);
+    ~OutputFile();
+    OutputFile(const OutputFile&) = delete;
+    OutputFile& operator=(const OutputFile&) = delete;
+
+    void write(std::span<const std::byte> bytes);
+    void commit();
+
+  private:
+    [[noreturn]] void fail(const std::string& why) const;
+
+    std::string name_;  // as it was given
+    std::filesystem::path target_;
+    std::filesystem::path temporary_;
+    std::ofstream stream_;
     bool committed_ = false;
 };
 

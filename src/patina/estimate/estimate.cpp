@@ -288,6 +288,12 @@ void validate(const EstimateOptions& options) {
     require(options.gather.lobe_rays >= 8 && options.gather.lobe_rays % 8 == 0,
             "--lobe-rays",
             "a multiple of 8");
+    if (!options.graph_file.empty() && options.method != Method::gather) {
+        throw Error("--graph", "", "is of no use to this method", "--method gather");
+    }
+    if (options.memory && options.method != Method::gather) {
+        throw Error("--memory", "", "is not known to this method", "--method gather");
+    }
     require(options.max_iterations >= 1, "--iterations", "1 or more");
     require(options.threshold >= 0, "--threshold", "0 or more");
     require(options.tolerance > 0, "--tolerance", "a number above 0");
@@ -301,12 +307,12 @@ Estimate estimate_reflectance(const Capture& capture,
     const Tracer tracer(capture.mesh);
     const Surface surface{&capture.mesh, &tracer};
     progress.end_stage(fmt::format("{} triangles", capture.mesh.triangles.size()));
-    const SceneView scene = view_scene(capture, surface, progress);
-    Observations observations =
-        collect_observations(capture, scene, options.observations, progress);
     if (options.method == Method::gather) {
-        return estimate_by_gathering(capture, surface, scene, observations, options, progress);
+        return estimate_by_gathering(capture, surface, options, progress);
     }
+    const SceneView scene = view_scene(capture, surface, progress);
+    const Observations observations =
+        collect_observations(capture, scene, options.observations, progress);
     Iteration iteration(capture, scene, observations, options, progress);
     iteration.run_direct();
     if (options.method != Method::direct) {

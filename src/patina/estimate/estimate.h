@@ -15,6 +15,7 @@
 #include "patina/transport/gather_graph.h"
 #include "patina/transport/ratio_kernel.h"
 
+#include <filesystem>
 #include <optional>
 #include <string>
 #include <vector>
@@ -34,6 +35,10 @@ struct EstimateOptions {
     PhotonOptions photons;
     RatioKernelOptions kernel;
     GatherOptions gather;
+    // Where method gather keeps its graph for the next estimate; empty: nowhere.
+    std::filesystem::path graph_file;
+    // What method gather may take [GiB]; nothing: what it needs. > 0
+    std::optional<double> memory;
     double filter_radius = 2.0;  // of the indirect light of method gather [texels]; > 0
     ObservationOptions observations;
     FitOptions fit;
@@ -70,6 +75,8 @@ struct Estimate {
     // Where the capture does not know the strength of its lamps. The maps are those under the lamps
     // as stated times its factor.
     std::optional<ScaleEstimate> scale;
+    // The peak as it was reckoned beforehand, by method gather alone [bytes].
+    std::optional<double> reckoned_memory;
 };
 
 // Throws Error for options out of range. option names in messages are those of the command line.

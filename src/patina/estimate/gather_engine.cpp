@@ -1,6 +1,7 @@
 #include "patina/estimate/gather_engine.h"
 
 #include "patina/base/parallel.h"
+#include "patina/transport/gather_graph_file.h"
 
 #include <algorithm>
 #include <map>
@@ -11,31 +12,33 @@ namespace {
 // Texels with less specular albedo than this do not show indirect light by their lobe.
 constexpr double kNegligibleLobe = 1e-5;
 
-// Directions to the camera where it sees the texel from in front, zero elsewhere.
-ViewDirections directions_of(const std::vector<TexelView>& views,
-                             std::span<const std::uint8_t> seen) {
-    ViewDirections directions(views.size(), Vec3f::Zero());
-    for (std::size_t i = 0; i < views.size(); ++i) {
-        if (seen[i] != 0 && views[i].state != ViewState::hidden) directions[i] = views[i].w_v;
+}  // namespace
+
+// Whether a lamp shines on a texel does not count: the graph is the same for all lamps.
+std::vector<ViewDirections> view_directions(const SceneView& scene) {
+    std::vector<ViewDirections> directions;
+    for (const std::vector<TexelView>& views : scene.views) {
+        ViewDirections& towards = directions.emplace_back(views.size(), Vec3f::Zero());
+        for (std::size_t i = 0; i < views.size(); ++i) {
+            if (views[i].state != ViewState::hidden) towards[i] = views[i].w_v;
+        }
     }
     return directions;
 }
 
-}  // namespace
-
 GatherEngine::GatherEngine(const Surface& surface,
                            const TexelAtlas& atlas,
                            const SceneView& scene,
-                           std::span<const std::uint8_t> seen,
                            const EstimateOptions& options,
-                           Progress& progress)
-    : atlas_(atlas), scene_(scene) {
-    for (const std::vector<TexelView>& views : scene.views) {
-        views_.push_back(directions_of(views, seen));
-    }
+                           Progress& progress,
+                           std::size_t kept_blocks)
+    : atlas_(atlas), scene_(scene), views_(view_directions(scene)) {
     GatherOptions gather = options.gather;
     gather.seed = options.photons.seed;
-    graph_ = trace_gather_graph(surface, atlas, views_, gather, progress);
+    graph_ = options.graph_file.empty()
+                 ? trace_gather_graph(surface, atlas, views_, gather, progress)
+                 : read_or_trace_gather_graph(
+                       options.graph_file, surface, atlas, views_, gather, progress);
     progress.begin_stage("light at the hits");
     filter_ = build_surface_filter(atlas, options.filter_radius);
 
@@ -58,7 +61,9 @@ GatherEngine::GatherEngine(const Surface& surface,
     const std::size_t num_standing = blocks[0].size();
     for (const std::size_t turning : {0u, 1u}) {
         for (LampBlock& block : blocks[turning]) {
-            blocks_.emplace_back(surface, atlas, graph_, std::move(block), turning == 1);
+            const bool keeps_hits = turning == 1 && blocks_.size() - num_standing < kept_blocks;
+            blocks_.emplace_back(
+                surface, atlas, graph_, std::move(block), turning == 1, keeps_hits);
         }
     }
     for (const LampSet& set : scene.lamp_sets) {
@@ -87,38 +92,34 @@ void GatherEngine::add_irradiance(const LampPlace& place,
     }
 }
 
-std::vector<std::vector<IndirectLobe>> GatherEngine::lobes(
-    const RadiantTexels& texels,
-    std::span<const Reflectance> maps,
-    std::span<const std::uint8_t> wanted) const {
-    const std::size_t num_shots = scene_.shots.size();
-    std::vector<std::vector<IndirectLobe>> result(num_shots);
-    for (auto& shot : result) shot.resize(atlas_.texels.size());
+void GatherEngine::add_lobes(std::size_t block,
+                             const RadiantTexels& texels,
+                             std::span<const Reflectance> maps,
+                             std::span<const std::uint8_t> wanted,
+                             std::vector<std::vector<IndirectLobe>>& sum) const {
+    const auto add =
+        [](const LampPlace& place, const LampBlockLight::LobeLanes& lanes, IndirectLobe& lobe) {
+            for (Eigen::Index c = 0; c < 3; ++c) {
+                const auto channel = std::size_t(c);
+                lobe.half[c] += place.color[c] * lanes.half[channel][place.lane];
+                lobe.same[c] += place.color[c] * lanes.same[channel][place.lane];
+                lobe.twice[c] += place.color[c] * lanes.twice[channel][place.lane];
+            }
+        };
     parallel_for(atlas_.texels.size(), [&](std::size_t i) {
         if (wanted[i] == 0) return;
         for (std::size_t view = 0; view < views_.size(); ++view) {
             if (!(views_[view][i].squaredNorm() > 0)) continue;
-            for (std::size_t block = 0; block < blocks_.size(); ++block) {
-                const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
-                    graph_, view, texels, TexelId(i), views_[view][i], maps[i].roughness);
-                const auto add = [&](const LampPlace& place, IndirectLobe& sum) {
-                    for (Eigen::Index c = 0; c < 3; ++c) {
-                        const auto channel = std::size_t(c);
-                        sum.half[c] += place.color[c] * lanes.half[channel][place.lane];
-                        sum.same[c] += place.color[c] * lanes.same[channel][place.lane];
-                        sum.twice[c] += place.color[c] * lanes.twice[channel][place.lane];
-                    }
-                };
-                for (std::size_t shot = 0; shot < num_shots; ++shot) {
-                    if (scene_.camera_of_shot[shot] != view) continue;
-                    for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
-                        if (place.block == block) add(place, result[shot][i]);
-                    }
+            const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
+                graph_, view, texels, TexelId(i), views_[view][i], maps[i].roughness);
+            for (std::size_t shot = 0; shot < sum.size(); ++shot) {
+                if (scene_.camera_of_shot[shot] != view) continue;
+                for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
+                    if (place.block == block) add(place, lanes, sum[shot][i]);
                 }
             }
         }
     });
-    return result;
 }
 
 IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
@@ -127,6 +128,14 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
     const RadiantTexels texels(atlas_, maps, with_specular);
     IndirectLight light;
     light.irradiance.resize(places_.size());
+    std::vector<std::uint8_t> glossy(atlas_.texels.size());
+    if (with_specular) {
+        light.lobe.assign(scene_.shots.size(), std::vector<IndirectLobe>(atlas_.texels.size()));
+        for (std::size_t i = 0; i < glossy.size(); ++i) {
+            glossy[i] =
+                seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
+        }
+    }
     std::array<IndirectLanes, 2> halves;
     std::vector<double> mean(atlas_.texels.size(), 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
@@ -136,6 +145,8 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
                 if (place.block == block) add_irradiance(place, halves, light.irradiance[set]);
             }
         }
+        if (with_specular) add_lobes(block, texels, maps, glossy, light.lobe);
+        blocks_[block].end_sweep();
         parallel_for(mean.size(), [&](std::size_t i) {
             for (const auto& half : halves) {
                 for (const Lanes& channel : half[i]) {
@@ -145,13 +156,6 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
         });
     }
     light.spectral_radius = spectral_radius_from(std::move(mean));
-    if (!with_specular) return light;
-    std::vector<std::uint8_t> glossy(atlas_.texels.size());
-    for (std::size_t i = 0; i < glossy.size(); ++i) {
-        glossy[i] =
-            seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
-    }
-    light.lobe = lobes(texels, maps, glossy);
     return light;
 }
 

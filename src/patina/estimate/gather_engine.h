@@ -6,21 +6,26 @@
 #include "patina/estimate/observations.h"
 #include "patina/transport/gather_sweep.h"
 
+#include <limits>
 #include <memory>
 #include <span>
 #include <vector>
 
 namespace patina {
 
+// Per camera, towards it from the texels that it sees.
+[[nodiscard]] std::vector<ViewDirections> view_directions(const SceneView& scene);
+
 class GatherEngine final : public IndirectEngine {
   public:
-    // Traces the graph.
+    // Reads the graph from options.graph_file, or traces it. kept_blocks: of the blocks of lamps
+    // that turn, so many keep their light at the hits, the others compute it again in each turn.
     GatherEngine(const Surface& surface,
                  const TexelAtlas& atlas,
                  const SceneView& scene,
-                 std::span<const std::uint8_t> seen,
                  const EstimateOptions& options,
-                 Progress& progress);
+                 Progress& progress,
+                 std::size_t kept_blocks = std::numeric_limits<std::size_t>::max());
 
     // One more bounce under the present maps. light.spectral_radius: how much of the indirect
     // light's last change the next one keeps (power iteration); 0 at first.
@@ -43,10 +48,12 @@ class GatherEngine final : public IndirectEngine {
     void add_irradiance(const LampPlace& place,
                         const std::array<IndirectLanes, 2>& halves,
                         IndirectIrradiance& sum) const;
-    [[nodiscard]] std::vector<std::vector<IndirectLobe>> lobes(
-        const RadiantTexels& texels,
-        std::span<const Reflectance> maps,
-        std::span<const std::uint8_t> wanted) const;
+    // sum: per used shot, per texel.
+    void add_lobes(std::size_t block,
+                   const RadiantTexels& texels,
+                   std::span<const Reflectance> maps,
+                   std::span<const std::uint8_t> wanted,
+                   std::vector<std::vector<IndirectLobe>>& sum) const;
 
     const TexelAtlas& atlas_;
     const SceneView& scene_;

@@ -56,8 +56,7 @@ class ManyLamps : public testing::Test {
         options.gather.rays = 8;
         options.gather.lobe_rays = 8;
         Progress progress;
-        GatherEngine engine(
-            channel_.scene.surface(), channel_.atlas, scene, seen_, options, progress);
+        GatherEngine engine(channel_.scene.surface(), channel_.atlas, scene, options, progress);
         (void)engine.evaluate(channel_.maps, seen_, true);
         return engine.evaluate(channel_.maps, seen_, true);
     }
@@ -112,13 +111,36 @@ TEST_F(ManyLamps, SendTogetherTheSumOfWhatTheySend) {
     }
 }
 
+TEST_F(ManyLamps, SendTheSameWhereTheirLightAtTheHitsIsNotKept) {
+    std::vector<std::vector<std::size_t>> sets(1, std::vector<std::size_t>(kNumLamps));
+    std::iota(sets[0].begin(), sets[0].end(), std::size_t(0));
+    const SceneView view = scene(sets);
+    const auto two_turns = [&](std::size_t kept_blocks) {
+        EstimateOptions options;
+        options.gather.rays = 8;
+        options.gather.lobe_rays = 8;
+        Progress progress;
+        GatherEngine engine(
+            channel_.scene.surface(), channel_.atlas, view, options, progress, kept_blocks);
+        (void)engine.evaluate(channel_.maps, seen_, true);
+        return engine.evaluate(channel_.maps, seen_, true);
+    };
+    const IndirectLight kept = two_turns(2);
+    for (const std::size_t kept_blocks : {0U, 1U}) {
+        const IndirectLight again = two_turns(kept_blocks);
+        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[0], again.irradiance[0].halves[0]));
+        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[1], again.irradiance[0].halves[1]));
+        EXPECT_TRUE(same_bytes(kept.lobe[0], again.lobe[0]));
+    }
+}
+
 TEST_F(ManyLamps, SendTheSameAgainAfterARestart) {
     EstimateOptions options;
     options.gather.rays = 8;
     options.gather.lobe_rays = 8;
     Progress progress;
     const SceneView view = scene({{0}, {1}});
-    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, options, progress);
     const IndirectLight first = engine.evaluate(channel_.maps, seen_, true);
     const IndirectLight second = engine.evaluate(channel_.maps, seen_, true);
     engine.restart();
@@ -138,7 +160,7 @@ TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
     options.gather.lobe_rays = 8;
     Progress progress;
     const SceneView view = scene({{0}, {2}});
-    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+    GatherEngine engine(channel_.scene.surface(), channel_.atlas, view, options, progress);
     const std::vector<Reflectance> maps(channel_.atlas.texels.size(), lambertian(0.5));
     // One sweep knows nothing of it, two know one change.
     EXPECT_EQ(engine.evaluate(maps, seen_, false).spectral_radius, 0);
@@ -148,8 +170,7 @@ TEST_F(ManyLamps, TellHowMuchOfTheLastChangeTheNextOneKeeps) {
     for (const std::size_t k : {0U, 1U}) {
         const double albedo = k == 0 ? 0.4 : 0.8;
         const std::vector<Reflectance> grey(maps.size(), lambertian(albedo));
-        GatherEngine fresh(
-            channel_.scene.surface(), channel_.atlas, view, seen_, options, progress);
+        GatherEngine fresh(channel_.scene.surface(), channel_.atlas, view, options, progress);
         for (int turn = 0; turn < 4; ++turn) {
             radius[k] = fresh.evaluate(grey, seen_, false).spectral_radius;
         }

@@ -2,12 +2,16 @@
 
 #include "patina/estimate/gather_iteration.h"
 #include "patina/estimate/gather_scale.h"
+#include "patina/estimate/memory_need.h"
 #include "patina/estimate/shared_lobe.h"
 
 #include <cmath>
+#include <limits>
 
 namespace patina {
 namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // The scale's error comes on top of each texel's own, infinite where nothing is known.
 void add_scale_error(double relative_error, Estimate& estimate) {
@@ -50,11 +54,18 @@ Estimate iterate(const Capture& capture,
 
 Estimate estimate_by_gathering(const Capture& capture,
                                const Surface& surface,
-                               const SceneView& scene,
-                               Observations& observations,
                                const EstimateOptions& options,
                                Progress& progress) {
-    GatherEngine engine(surface, capture.atlas, scene, observations.seen, options, progress);
+    const double limit = options.memory ? *options.memory * kGibibyte : kInfinity;
+    MemoryCounts counts = count_memory(capture);
+    (void)plan_memory(counts, limit);
+    const SceneView scene = view_scene(capture, surface, progress);
+    counts = count_work(capture, surface, scene, options, std::move(counts));
+    const MemoryPlan memory = plan_memory(counts, limit);
+    progress.note(memory_words(memory, counts));
+    Observations observations =
+        collect_observations(capture, scene, options.observations, progress);
+    GatherEngine engine(surface, capture.atlas, scene, options, progress, memory.kept_blocks);
     std::optional<ScaleEstimate> scale;
     if (capture.description.radiometry.scale_unknown) {
         GatherIteration trials(capture, scene, observations, options);
@@ -68,6 +79,7 @@ Estimate estimate_by_gathering(const Capture& capture,
         iterate(capture, scene, observations, lamp_factor, options, engine, progress);
     if (scale && scale->told) add_scale_error(scale->standard_error, estimate);
     estimate.scale = std::move(scale);
+    estimate.reckoned_memory = memory.peak;
     return estimate;
 }
 

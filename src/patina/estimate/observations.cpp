@@ -46,6 +46,22 @@ class ObservationBuilder {
         return {edge ? LookQuality::poor : LookQuality::good, true};
     }
 
+    // The looks at a texel are those of one quality.
+    [[nodiscard]] LookCount count(std::size_t texel) const {
+        LookCount poor;
+        LookCount good;
+        for (std::size_t shot = 0; shot < scene_.shots.size(); ++shot) {
+            const LookQuality quality = look(shot, texel).quality;
+            if (quality == LookQuality::none) continue;
+            LookCount& of_quality = quality == LookQuality::good ? good : poor;
+            ++of_quality.rows;
+            for (const auto* direct : scene_.lamp_sets[scene_.lamp_set_of_shot[shot]].direct) {
+                if ((*direct)[texel].irradiance.maxCoeff() > 0) ++of_quality.terms;
+            }
+        }
+        return {std::max(poor.rows, good.rows), std::max(poor.terms, good.terms)};
+    }
+
     void append(std::size_t shot,
                 std::size_t texel,
                 const TexelSample& sample,
@@ -156,6 +172,15 @@ SceneView view_scene(const Capture& capture, const Surface& surface, Progress& p
     return scene;
 }
 
+LookCount count_looks(const Capture& capture,
+                      const SceneView& scene,
+                      const ObservationOptions& options) {
+    const ObservationBuilder builder(capture, scene, options);
+    return ordered_reduce(capture.atlas.texels.size(), LookCount(), [&](std::size_t texel) {
+        return builder.count(texel);
+    });
+}
+
 Observations collect_observations(const Capture& capture,
                                   const SceneView& scene,
                                   const ObservationOptions& options,
@@ -177,6 +202,11 @@ Observations collect_observations(const Capture& capture,
     Observations result;
     result.seen.assign(num_texels, 0);
     result.begin.assign(num_texels + 1, 0);
+    // Growing row by row would take twice their memory.
+    const LookCount most = count_looks(capture, scene, options);
+    result.rows.reserve(most.rows);
+    result.terms.reserve(most.terms);
+    if (need_gradients) result.gradients.reserve(most.rows);
     std::vector<LookQuality> qualities(num_shots);
     for (std::size_t texel = 0; texel < num_texels; ++texel) {
         LookQuality best = LookQuality::none;

@@ -80,6 +80,22 @@ struct SceneView {
                                    const Surface& surface,
                                    Progress& progress);
 
+struct LookCount {
+    std::size_t rows = 0;
+    std::size_t terms = 0;
+
+    LookCount& operator+=(const LookCount& other) {
+        rows += other.rows;
+        terms += other.terms;
+        return *this;
+    }
+};
+
+// At most so many looks come of it, whatever the images show.
+[[nodiscard]] LookCount count_looks(const Capture& capture,
+                                    const SceneView& scene,
+                                    const ObservationOptions& options);
+
 // Reads the used shots' images. Throws Error when no texel is seen at all.
 [[nodiscard]] Observations collect_observations(const Capture& capture,
                                                 const SceneView& scene,

@@ -1,14 +1,15 @@
 #include "patina/pipeline/estimate_capture.h"
 
 #include "patina/base/output_file.h"
+#include "patina/base/process_memory.h"
 #include "patina/pipeline/text_table.h"
 #include "patina/pipeline/version.h"
+#include "patina/transport/gather_graph_file.h"
 
 #include <fmt/format.h>
 
 #include <array>
 #include <cmath>
-#include <sys/resource.h>
 
 namespace patina {
 namespace {
@@ -118,15 +119,7 @@ Json texels_json(const TexelAtlas& atlas, const Estimate& estimate) {
     return texels;
 }
 
-// Peak resident memory of this process [bytes].
-std::int64_t peak_memory_bytes() {
-    rusage usage{};
-    getrusage(RUSAGE_SELF, &usage);
-    constexpr std::int64_t kBytesPerKibibyte = 1024;
-    return std::int64_t(usage.ru_maxrss) * kBytesPerKibibyte;
-}
-
-Json timing_json(const Progress& progress) {
+Json timing_json(const Progress& progress, const Estimate& estimate) {
     Json stages = Json::object();
     double total = 0;
     for (const StageTime& time : progress.stage_times()) {
@@ -137,6 +130,9 @@ Json timing_json(const Progress& progress) {
     timing.set("stages_s", std::move(stages));
     timing.set("total_s", Json(total));
     timing.set("peak_memory_bytes", Json(peak_memory_bytes()));
+    if (estimate.reckoned_memory) {
+        timing.set("reckoned_memory_bytes", Json(std::int64_t(*estimate.reckoned_memory)));
+    }
     return timing;
 }
 
@@ -161,6 +157,16 @@ std::string scale_words(const Json& scale) {
     return fmt::format("lamps {:.4g} times as strong as stated, standard error {:.1f} %",
                        scale.find("factor")->number,
                        100 * scale.find("standard_error")->number);
+}
+
+// The result's folder is replaced as a whole, with all that lies in it.
+void check_graph_file(const fs::path& file, const fs::path& result) {
+    const fs::path inside = fs::weakly_canonical(fs::absolute(file))
+                                .lexically_relative(fs::weakly_canonical(fs::absolute(result)));
+    if (inside.empty() || *inside.begin() != "..") {
+        throw Error("--graph", "", "lies in the result's folder", "a place beside it");
+    }
+    check_gather_graph_file(file);
 }
 
 Json make_json(const Capture& capture, const EstimateOptions& options, const Estimate& estimate) {
@@ -245,6 +251,17 @@ OptionTable fine_option_table(EstimateOptions& options) {
                        options.gather.lobe_rays,
                        between(8, 65'536),
                        "rays of method gather towards the lobe of each texel and camera"),
+        not_a_setting(path_option("graph",
+                                  "FILE",
+                                  options.graph_file,
+                                  "keep the graph of method gather there, and reuse it where "
+                                  "geometry, cameras and settings are the same")),
+        not_a_setting(number_option("memory",
+                                    options.memory,
+                                    above(0),
+                                    "GiB",
+                                    "what is needed",
+                                    "stay within so much with method gather, if need be slower")),
         number_option("filter_radius",
                       options.filter_radius,
                       between(0.1, 20),
@@ -337,6 +354,7 @@ Json estimate_capture(const fs::path& capture_path,
                       const EstimateOptions& options,
                       Progress& progress) {
     validate(options);
+    if (!options.graph_file.empty()) check_graph_file(options.graph_file, result_path);
     OutputFolder folder(result_path, "-o");
     progress.begin_stage("read geometry");
     const Capture capture = load_capture(capture_path);
@@ -346,7 +364,7 @@ Json estimate_capture(const fs::path& capture_path,
                                    capture.atlas.texels.size()));
     const Estimate estimate = estimate_reflectance(capture, options, progress);
     Json json = make_json(capture, options, estimate);
-    json.set("timing", timing_json(progress));
+    json.set("timing", timing_json(progress, estimate));
     Result result = make_result(capture, options, estimate);
     result.json = to_text(json);
     write_result(folder.path(), result);

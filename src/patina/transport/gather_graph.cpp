@@ -18,6 +18,10 @@ constexpr std::size_t kTexelsPerBlock = 1024;
 // that a solid angle of 1 % of the hemisphere (cosine-weighted) is missed once in fifty times.
 constexpr int kProbeRays = 16;
 constexpr int kProbeRings = 2;
+// Texels that the number of hits is judged by. Where one texel's share of rays that hit differs
+// from another's by all or nothing, the standard error of the mean share is 0.5 / sqrt(4096), below
+// 1 %.
+constexpr std::size_t kJudgedTexels = 4096;
 // One lobe ray in so many is drawn over the whole hemisphere, so that no weight is unbounded where
 // a lobe is wider than the one that the rays are drawn from.
 constexpr int kDefensiveShare = 4;
@@ -195,6 +199,36 @@ GatherGraph trace_gather_graph(const Surface& surface,
                     double(graph.irradiance.hits.size()) / 1e6,
                     100.0 * (1 - double(num_concave) / double(num_texels))));
     return graph;
+}
+
+GatherHitCount expect_gather_hits(const Surface& surface,
+                                  const TexelAtlas& atlas,
+                                  std::span<const ViewDirections> views,
+                                  const GatherOptions& options) {
+    const GraphTracer tracer(surface, atlas, options);
+    const std::size_t num_texels = atlas.texels.size();
+    const std::size_t step = std::max<std::size_t>(1, num_texels / kJudgedTexels);
+    const std::size_t num_judged = (num_texels + step - 1) / step;
+    const auto expected = [&](const auto& trace_texel) {
+        const auto hits_of = [&](std::size_t k) {
+            std::vector<GatherHit> hits;
+            trace_texel(k * step, hits);
+            return double(hits.size());
+        };
+        return ordered_reduce(num_judged, 0.0, hits_of) * double(num_texels) / double(num_judged);
+    };
+    GatherHitCount count;
+    count.irradiance = expected(
+        [&](std::size_t i, std::vector<GatherHit>& hits) { tracer.trace_irradiance(i, hits); });
+    for (std::size_t view = 0; view < views.size(); ++view) {
+        count.lobes.push_back(expected([&](std::size_t i, std::vector<GatherHit>& hits) {
+            const Vec3f& w_v = views[view][i];
+            if (w_v.squaredNorm() > 0) {
+                tracer.trace_lobe(i, view, w_v.cast<double>().normalized(), hits);
+            }
+        }));
+    }
+    return count;
 }
 
 }  // namespace patina

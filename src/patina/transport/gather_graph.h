@@ -50,6 +50,10 @@ struct GatherGraph {
     std::uint64_t num_rays = 0;     // that were traced
 };
 
+// Raised with every change of the rays or of what is kept of them: saved graphs of other versions
+// are not used.
+inline constexpr std::uint64_t kGatherGraphVersion = 1;
+
 // Texels around which a first handful of rays meets nothing count as convex and get no more rays.
 // views: per camera, one direction per texel (unit, towards the camera).
 [[nodiscard]] GatherGraph trace_gather_graph(const Surface& surface,
@@ -57,5 +61,18 @@ struct GatherGraph {
                                              std::span<const ViewDirections> views,
                                              const GatherOptions& options,
                                              Progress& progress);
+
+// How many hits a graph will hold.
+struct GatherHitCount {
+    double irradiance = 0;
+    std::vector<double> lobes;  // per camera view
+};
+
+// Judged by some thousand texels, evenly spread; texels that count as convex are taken for others,
+// so that it is rather too many.
+[[nodiscard]] GatherHitCount expect_gather_hits(const Surface& surface,
+                                                const TexelAtlas& atlas,
+                                                std::span<const ViewDirections> views,
+                                                const GatherOptions& options);
 
 }  // namespace patina

@@ -78,19 +78,35 @@ LampBlockLight::LampBlockLight(const Surface& surface,
                                const TexelAtlas& atlas,
                                const GatherGraph& graph,
                                LampBlock lamps,
-                               bool turning)
-    : lamps_(std::move(lamps)),
+                               bool turning,
+                               bool keeps_hits)
+    : surface_(surface),
+      atlas_(atlas),
+      lamps_(std::move(lamps)),
       turning_(turning),
+      keeps_hits_(keeps_hits),
       indirect_(atlas.texels.size()),
       radiosity_(atlas.texels.size()) {
     if (!turning_) {
         texel_lanes_ = texel_lanes(atlas, lamps_);
-        return;
+    } else if (keeps_hits_) {
+        light_hits(graph);
     }
-    irradiance_lanes_ = hit_lanes(surface, atlas, lamps_, graph.irradiance);
+}
+
+void LampBlockLight::light_hits(const GatherGraph& graph) {
+    irradiance_lanes_ = hit_lanes(surface_, atlas_, lamps_, graph.irradiance);
     for (const GatherRows& rows : graph.lobes) {
-        lobe_lanes_.push_back(hit_lanes(surface, atlas, lamps_, rows));
+        lobe_lanes_.push_back(hit_lanes(surface_, atlas_, lamps_, rows));
     }
+    has_hits_ = true;
+}
+
+void LampBlockLight::end_sweep() {
+    if (!turning_ || keeps_hits_) return;
+    irradiance_lanes_ = {};
+    lobe_lanes_ = {};
+    has_hits_ = false;
 }
 
 void LampBlockLight::add_lobe_of_lamps(const RadiantTexels::Material& material,
@@ -156,6 +172,7 @@ void LampBlockLight::sweep(const GatherGraph& graph,
                            const SurfaceFilter& filter,
                            std::array<IndirectLanes, 2>& halves) {
     const std::size_t num_texels = indirect_.size();
+    if (turning_ && !has_hits_) light_hits(graph);
     parallel_for(num_texels, [&](std::size_t i) {
         const RadiantTexels::Material& material = texels[TexelId(i)];
         for (std::size_t c = 0; c < 3; ++c) {

@@ -43,12 +43,15 @@ class RadiantTexels {
 // Light on one lamp block, with what it needs from sweep to sweep.
 class LampBlockLight {
   public:
-    // turning: whether the lamps turn with the scanner.
+    // turning: whether the lamps turn with the scanner. keeps_hits: whether their light at the hits
+    // stays in memory, or is computed again for each sweep; the same light in either case. Keeps
+    // references to the atlas and to what the surface points to.
     LampBlockLight(const Surface& surface,
                    const TexelAtlas& atlas,
                    const GatherGraph& graph,
                    LampBlock lamps,
-                   bool turning);
+                   bool turning,
+                   bool keeps_hits = true);
 
     // One sweep. halves: from the two independent halves of the rays, filtered. Their mean is what
     // the next sweep starts from.
@@ -57,11 +60,15 @@ class LampBlockLight {
                const SurfaceFilter& filter,
                std::array<IndirectLanes, 2>& halves);
 
+    // After a sweep and its lobes: lets the light at the hits go, unless it is kept.
+    void end_sweep();
+
     // The next sweep is the first one again.
     void restart();
 
     // Indirect light seen through the lobe of `texel` from one camera view, for three widths of it
-    // (IndirectLobe), of the light of the last sweep but for the bounce towards the texel.
+    // (IndirectLobe), of the light of the last sweep but for the bounce towards the texel. Not
+    // between end_sweep() and the next sweep.
     struct LobeLanes {
         std::array<Lanes, 3> half{}, same{}, twice{};
     };
@@ -78,6 +85,7 @@ class LampBlockLight {
     using Radiance = std::array<Lanes, 3>;
     // Asks for what radiance_of() will read of a hit to come.
     void expect(const GatherRows& rows, std::size_t hit_index) const;
+    void light_hits(const GatherGraph& graph);
     void add_lobe_of_lamps(const RadiantTexels::Material& material,
                            const GatherHit& hit,
                            std::size_t hit_index,
@@ -89,8 +97,12 @@ class LampBlockLight {
                                        std::size_t hit_index,
                                        const std::vector<CompactLanes>& compact) const;
 
+    Surface surface_;
+    const TexelAtlas& atlas_;
     LampBlock lamps_;
     bool turning_;
+    bool keeps_hits_;
+    bool has_hits_ = false;
     std::vector<LitLanes> texel_lanes_;                  // standing lamps
     std::vector<CompactLanes> irradiance_lanes_;         // turning lamps, per hit
     std::vector<std::vector<CompactLanes>> lobe_lanes_;  // the same, per camera view

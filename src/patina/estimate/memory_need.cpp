@@ -1,0 +1,158 @@
+#include "patina/estimate/memory_need.h"
+
+#include "patina/base/error.h"
+#include "patina/base/process_memory.h"
+#include "patina/estimate/gather_engine.h"
+#include "patina/estimate/texel_turn.h"
+#include "patina/transport/gather_sweep.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <numeric>
+#include <set>
+
+namespace patina {
+namespace {
+
+// Maps, errors, fits, fillings with their solver, and the error budgets of the end: about forty
+// vectors of five doubles for each texel.
+constexpr double kTexelBytes = 1600;
+// Neighbours of the atlas that a filter reaches for each square of its radius.
+constexpr double kFilterTexels = 4;
+// Radiance, its variance, and what the file holds before it is decoded.
+constexpr double kPixelBytes = 40;
+
+double sum_of(const std::vector<double>& values) {
+    return std::accumulate(values.begin(), values.end(), 0.0);
+}
+
+std::string in_gibibytes(double bytes) { return fmt::format("{:.2f} GiB", bytes / kGibibyte); }
+
+// What makes most of the need, as words on what would lower it.
+std::string advice(const MemoryNeed& need) {
+    const double by_rays = need.graph + need.lanes;
+    if (by_rays > need.looks + need.light && by_rays > need.images) {
+        return "fewer --gather-rays and --lobe-rays lower it";
+    }
+    return "shots marked as held out, or fewer texels, lower it";
+}
+
+}  // namespace
+
+MemoryCounts count_memory(const Capture& capture) {
+    const CaptureDescription& description = capture.description;
+    std::set<std::size_t> cameras;
+    std::set<std::size_t> lamps;
+    std::set<std::vector<std::size_t>> sets;
+    MemoryCounts counts;
+    counts.held = double(resident_memory_bytes());
+    counts.texels = capture.atlas.texels.size();
+    for (const Shot& shot : description.shots) {
+        if (shot.heldout) continue;
+        ++counts.shots;
+        cameras.insert(shot.camera);
+        lamps.insert(shot.lights.begin(), shot.lights.end());
+        sets.insert(shot.lights);
+        const Camera& camera = description.cameras[shot.camera];
+        counts.image_pixels =
+            std::max(counts.image_pixels, std::size_t(camera.width) * std::size_t(camera.height));
+    }
+    counts.cameras = cameras.size();
+    counts.lamps = lamps.size();
+    counts.lamp_sets = sets.size();
+    const auto num_turning =
+        std::size_t(std::count_if(lamps.begin(), lamps.end(), [&](std::size_t lamp) {
+            return description.lights[lamp].frame == FrameOfReference::scanner;
+        }));
+    const auto blocks = [](std::size_t num_lamps) {
+        return (num_lamps + kLampLanes - 1) / kLampLanes;
+    };
+    counts.turning_blocks = blocks(num_turning);
+    counts.standing_blocks = blocks(lamps.size() - num_turning);
+    counts.scale_unknown = description.radiometry.scale_unknown;
+    counts.has_gradients = description.geometry.registration_stddev > 0;
+    return counts;
+}
+
+MemoryCounts count_work(const Capture& capture,
+                        const Surface& surface,
+                        const SceneView& scene,
+                        const EstimateOptions& options,
+                        MemoryCounts counts) {
+    counts.looks = count_looks(capture, scene, options.observations);
+    counts.hits =
+        expect_gather_hits(surface, capture.atlas, view_directions(scene), options.gather);
+    counts.filter_radius = options.filter_radius;
+    return counts;
+}
+
+MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
+    const auto texels = double(counts.texels);
+    const auto views = double(counts.cameras);
+    const auto shots = double(counts.shots);
+    const double gradient = counts.has_gradients ? sizeof(SampleGradient) : 0;
+    const double lobe_hits = sum_of(counts.hits.lobes);
+    const double hits = counts.hits.irradiance + lobe_hits;
+    double largest_rows = counts.hits.irradiance;
+    for (const double rows : counts.hits.lobes) largest_rows = std::max(largest_rows, rows);
+
+    MemoryNeed need;
+    need.views = texels * (views * (sizeof(TexelView) + sizeof(Vec3f)) +
+                           double(counts.lamps) * sizeof(DirectLight));
+    need.looks = double(counts.looks.rows) * (sizeof(Observation) + sizeof(float) + gradient) +
+                 double(counts.looks.terms) * sizeof(LampTerm);
+    need.images = texels * shots * (sizeof(TexelSample) + gradient) +
+                  kPixelBytes * double(counts.image_pixels);
+    if (counts.scale_unknown) need.looks += double(counts.looks.rows) * sizeof(Rgbf);
+    need.graph = hits * sizeof(GatherHit) + texels * (views + 1) * sizeof(std::size_t);
+    need.tracing = 2 * largest_rows * sizeof(GatherHit);
+    // One that is not kept is there while it is worked on.
+    const std::size_t present = std::min(kept_blocks + 1, counts.turning_blocks);
+    constexpr double kSwept = sizeof(IndirectLanes::value_type);
+    need.lanes = hits * double(present) * sizeof(CompactLanes) +
+                 texels * double(counts.standing_blocks) * sizeof(LitLanes) +
+                 texels * double(counts.standing_blocks + counts.turning_blocks) * 2 * kSwept;
+    // Two halves, before and after the filter.
+    const double sweep = 4 * kSwept;
+    const double filter =
+        kFilterTexels * square(counts.filter_radius) * (sizeof(TexelId) + sizeof(float)) +
+        sizeof(std::size_t);
+    need.light = texels * (2 * sizeof(Rgbf) * double(counts.lamp_sets) +
+                           sizeof(IndirectLobe) * shots + sweep + filter);
+    need.texels = kTexelBytes * texels;
+    need.peak = counts.held + need.views + need.looks +
+                std::max({need.images,
+                          need.graph + need.tracing,
+                          need.graph + need.lanes + need.light + need.texels});
+    return need;
+}
+
+MemoryPlan plan_memory(const MemoryCounts& counts, double limit) {
+    for (std::size_t kept = counts.turning_blocks + 1; kept-- > 0;) {
+        const double peak = memory_need(counts, kept).peak;
+        if (peak <= limit) return {peak, kept};
+    }
+    const MemoryNeed need = memory_need(counts, 0);
+    // Before the looks and hits are counted, the need is known to be larger still.
+    const std::string least = in_gibibytes(need.peak);
+    throw Error("--memory",
+                "",
+                fmt::format("is {}, too little for this capture", in_gibibytes(limit)),
+                (counts.looks.rows > 0 ? least + " or more; " : "more than " + least + "; ") +
+                    advice(need));
+}
+
+std::string memory_words(const MemoryPlan& plan, const MemoryCounts& counts) {
+    std::string words = "memory: about " + in_gibibytes(plan.peak);
+    if (plan.kept_blocks < counts.turning_blocks) {
+        words += fmt::format(
+            "; light at the hits computed again in each turn for {} of {} blocks "
+            "of lamps",
+            counts.turning_blocks - plan.kept_blocks,
+            counts.turning_blocks);
+    }
+    return words;
+}
+
+}  // namespace patina

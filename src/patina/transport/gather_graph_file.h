@@ -1,0 +1,45 @@
+// The gather graph in a file, so that the next estimate of the same geometry from the same cameras
+// need not trace it.
+//
+// The file is a cache: it says what its graph was traced from, and one that does not fit, or that
+// is not whole, is replaced.
+#pragma once
+
+#include "patina/base/hash.h"
+#include "patina/transport/gather_graph.h"
+
+#include <filesystem>
+#include <optional>
+
+namespace patina {
+
+// Of everything that trace_gather_graph() looks at, and of kGatherGraphVersion.
+[[nodiscard]] Hash128 gather_graph_fingerprint(const Mesh& mesh,
+                                               const TexelAtlas& atlas,
+                                               std::span<const ViewDirections> views,
+                                               const GatherOptions& options);
+
+// Throws Error where the file could not be used: it holds something else than a graph, or is
+// missing and cannot be written.
+void check_gather_graph_file(const std::filesystem::path& path);
+
+// Nothing where the file is missing, is not whole, or was traced from something else. Throws Error
+// where it holds something else than a graph.
+[[nodiscard]] std::optional<GatherGraph> read_gather_graph(const std::filesystem::path& path,
+                                                           const Hash128& fingerprint);
+
+// Throws WorkFailed when the disk refuses.
+void write_gather_graph(const std::filesystem::path& path,
+                        const Hash128& fingerprint,
+                        const GatherGraph& graph);
+
+// trace_gather_graph(), unless the file holds its result already; otherwise the file holds it
+// afterwards. A disk that refuses is only warned about. The same graph in either case.
+[[nodiscard]] GatherGraph read_or_trace_gather_graph(const std::filesystem::path& path,
+                                                     const Surface& surface,
+                                                     const TexelAtlas& atlas,
+                                                     std::span<const ViewDirections> views,
+                                                     const GatherOptions& options,
+                                                     Progress& progress);
+
+}  // namespace patina
