@@ -70,7 +70,6 @@ MemoryCounts count_memory(const Capture& capture) {
     };
     counts.turning_blocks = blocks(num_turning);
     counts.standing_blocks = blocks(lamps.size() - num_turning);
-    counts.scale_unknown = description.radiometry.scale_unknown;
     counts.has_gradients = description.geometry.registration_stddev > 0;
     return counts;
 }
@@ -100,11 +99,11 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
     MemoryNeed need;
     need.views = texels * (views * (sizeof(TexelView) + sizeof(Vec3f)) +
                            double(counts.lamps) * sizeof(DirectLight));
-    need.looks = double(counts.looks.rows) * (sizeof(Observation) + sizeof(float) + gradient) +
+    need.looks = double(counts.looks.rows) *
+                     (sizeof(Observation) + sizeof(float) + sizeof(Rgbf) + gradient) +
                  double(counts.looks.terms) * sizeof(LampTerm);
     need.images = texels * shots * (sizeof(TexelSample) + gradient) +
                   kPixelBytes * double(counts.image_pixels);
-    if (counts.scale_unknown) need.looks += double(counts.looks.rows) * sizeof(Rgbf);
     need.graph = hits * sizeof(GatherHit) + texels * (views + 1) * sizeof(std::size_t);
     need.tracing = 2 * largest_rows * sizeof(GatherHit);
     // One that is not kept is there while it is worked on.

@@ -5,8 +5,7 @@
 //
 //     held       what the process has when it is asked: the program, mesh, atlas, ray tracer
 //     views      T (V TexelView + N DirectLight + 12 V)
-//     looks      R (Observation + 4) + K LampTerm, and 24 R with an error of registration, 12 R
-//                with lamps of unknown strength
+//     looks      R (Observation + 16) + K LampTerm, and 24 R with an error of registration
 //     images     T S (TexelSample, and 24 with an error of registration) + one image
 //     graph      H GatherHit + 8 T (V + 1)
 //     tracing    2 GatherHit for each hit of the largest rows, on top, before they are compact
@@ -43,8 +42,7 @@ struct MemoryCounts {
     std::size_t turning_blocks = 0;
     std::size_t image_pixels = 0;  // of the largest image
     bool has_gradients = false;    // the capture states an error of registration
-    bool scale_unknown = false;
-    double filter_radius = 0;  // [texels]
+    double filter_radius = 0;      // [texels]
     LookCount looks;
     GatherHitCount hits;
 };
