@@ -16,7 +16,7 @@ namespace patina {
 // `options`.
 [[nodiscard]] OptionTable estimate_option_table(EstimateOptions& options);
 
-// "direct", "diffuse" or "photon".
+// "direct", "diffuse", "photon" or "gather".
 [[nodiscard]] std::string method_name(Method method);
 
 // The estimate as maps in the texel domain, and result.json with everything but `timing`: format,
