@@ -93,6 +93,8 @@ TEST(PlatesWithoutHighlights, AreFlattenedByGathering) {
     const double mean = std::accumulate(errors.begin(), errors.end(), 0.0) / double(errors.size());
     // What the project claims.
     EXPECT_NEAR(mean, 0, 0.015);
+    ASSERT_TRUE(estimate.shared_lobe.has_value());
+    EXPECT_GT(estimate.shared_lobe->specular_albedo, 0);
     for (const Reflectance& map : estimate.maps) EXPECT_GT(map.specular, 0);
 }
 

@@ -58,6 +58,12 @@ struct IterationLog {
     bool retraced = false;       // photons were traced anew before this turn
 };
 
+// The lobe of all texels where none shows a highlight, from bounced light.
+struct SharedLobe {
+    double specular_albedo = 0;  // Ps sigma^2; 0 unless told from 0 [-]
+    double standard_error = 0;   // of the value that fits best; infinite: there is none [-]
+};
+
 // One entry per texel of the atlas in every vector.
 struct Estimate {
     std::vector<Reflectance> maps;
@@ -75,6 +81,7 @@ struct Estimate {
     // Where the capture does not know the strength of its lamps. The maps are those under the lamps
     // as stated times its factor.
     std::optional<ScaleEstimate> scale;
+    std::optional<SharedLobe> shared_lobe;  // where it was looked for
     // The peak as it was reckoned beforehand, by method gather alone [bytes].
     std::optional<double> reckoned_memory;
 };

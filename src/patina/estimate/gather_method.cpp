@@ -39,13 +39,14 @@ Estimate iterate(const Capture& capture,
     GatherIteration iteration(capture, scene, observations, options);
     iteration.start(progress);
     iteration.run(engine, progress);
+    std::optional<SharedLobe> lobe;
     if (!iteration.has_lobes() && iteration.light().spectral_radius > kBouncesThatTell) {
-        const SharedLobe lobe =
-            measure_shared_lobe(iteration, engine, capture.atlas, scene, observations, progress);
-        iteration.set_shared_lobe(lobe.specular_albedo);
+        lobe = measure_shared_lobe(iteration, engine, capture.atlas, scene, observations, progress);
+        iteration.set_shared_lobe(lobe->specular_albedo);
         iteration.run(engine, progress);
     }
     Estimate estimate = iteration.finish();
+    estimate.shared_lobe = lobe;
     for (IterationLog& turn : estimate.iterations) turn.error *= square(lamp_factor);
     return estimate;
 }

@@ -7,11 +7,6 @@
 
 namespace patina {
 
-struct SharedLobe {
-    double specular_albedo = 0;  // Ps sigma^2 of all texels; 0 unless told from 0 [-]
-    double standard_error = 0;   // of the value that fits best; infinite: there is none [-]
-};
-
 // iteration: brought to rest without any lobe. Leaves it and the engine as the last trial does.
 [[nodiscard]] SharedLobe measure_shared_lobe(GatherIteration& iteration,
                                              GatherEngine& engine,

@@ -145,6 +145,15 @@ Json scale_json(const ScaleEstimate& scale) {
     return json;
 }
 
+Json shared_lobe_json(const SharedLobe& lobe) {
+    Json json = Json::object();
+    json.set("specular_albedo", Json(lobe.specular_albedo));
+    if (std::isfinite(lobe.standard_error)) {
+        json.set("standard_error", Json(lobe.standard_error));
+    }
+    return json;
+}
+
 std::string scale_words(const Json& scale) {
     if (!scale.find("told")->boolean) return "not told: " + scale.find("reason")->text;
     return fmt::format("lamps {:.4g} times as strong as stated, standard error {:.1f} %",
@@ -177,6 +186,9 @@ Json make_json(const Capture& capture, const EstimateOptions& options, const Est
              Json(estimate.iterations.empty() ? 0.0 : estimate.iterations.back().spectral_radius));
     json.set("noise_scale", Json(estimate.noise_scale));
     if (estimate.scale) json.set("scale", scale_json(*estimate.scale));
+    if (estimate.shared_lobe) {
+        json.set("shared_lobe", shared_lobe_json(*estimate.shared_lobe));
+    }
     json.set("texels", texels_json(capture.atlas, estimate));
     json.set("iterations", iterations_json(estimate.iterations));
     return json;
@@ -228,6 +240,12 @@ std::string estimate_text(const Json& result) {
     table.add({"converged", result.find("converged")->boolean ? "yes" : "no"});
     table.add({"turns", fmt::format("{}", result.find("iterations")->items.size())});
     table.add({"lambda", fmt::format("{:.3f}", result.find("lambda")->number)});
+    if (const Json* const lobe = result.find("shared_lobe")) {
+        const double albedo = lobe->find("specular_albedo")->number;
+        table.add({"lobe, seen by no look",
+                   albedo > 0 ? fmt::format("Ps sigma^2 = {:.3g} by bounced light", albedo)
+                              : std::string("not told by bounced light")});
+    }
     if (const Json* const scale = result.find("scale")) {
         table.add({"absolute scale", scale_words(*scale)});
     }
