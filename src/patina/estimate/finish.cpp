@@ -5,12 +5,14 @@
 #include "patina/estimate/error_propagation.h"
 #include "patina/estimate/fill_errors.h"
 #include "patina/estimate/footprint_blur.h"
+#include "patina/estimate/lobe_misfit.h"
 #include "patina/estimate/lobe_spread.h"
 #include "patina/estimate/ring_sums.h"
 #include "patina/math/statistics.h"
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 #include <vector>
 
 namespace patina {
@@ -66,6 +68,7 @@ class Finisher {
           robust_(robust),
           estimate_(estimate),
           budgets_(fits.size()),
+          left_out_(fits.size()),
           footprints_(footprint_moments(capture, scene)) {}
 
     void run() {
@@ -81,6 +84,7 @@ class Finisher {
         smooth_transport();
         find_scales();
         find_blur();
+        find_lobe_misfit();
         parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
         add_fill_errors();
     }
@@ -95,6 +99,9 @@ class Finisher {
         estimate_.status[i] =
             fits_[i].specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         const Reflectance& fitted = estimate_.maps[i];
+        if (fits_[i].roughness_measured) {
+            left_out_[i] = left_out_misfit(rows, fitted, estimate_.noise_scale, FitOptions());
+        }
         estimate_.measurability[i] =
             texel_measurability(rows, fitted, fits_[i], estimate_.noise_scale);
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
@@ -225,6 +232,14 @@ class Finisher {
         prior_.shared = 2 * kPriorFreedom * typical_shared;
     }
 
+    void find_lobe_misfit() {
+        std::vector<double> misfits;
+        for (const std::optional<double>& misfit : left_out_) {
+            if (misfit) misfits.push_back(*misfit);
+        }
+        estimate_.lobe_misfit = lobe_misfit_factor(std::move(misfits));
+    }
+
     void put_together(std::size_t i) {
         Reflectance& error = estimate_.errors[i];
         error.diffuse = Rgb::Constant(kInfinity);
@@ -233,9 +248,10 @@ class Finisher {
         if (!fits_[i].observed) return;
         const ErrorBudget& budget = budgets_[i];
         const Parameters variance = random_variance(i) + budget.stated + budget.blur;
+        const double misfit = estimate_.lobe_misfit;
         error.diffuse = variance.head<3>().array().sqrt();
-        if (fits_[i].specular_measured) error.specular = std::sqrt(variance[3]);
-        if (fits_[i].roughness_measured) error.roughness = std::sqrt(variance[4]);
+        if (fits_[i].specular_measured) error.specular = misfit * std::sqrt(variance[3]);
+        if (fits_[i].roughness_measured) error.roughness = misfit * std::sqrt(variance[4]);
     }
 
     // Of lobes that others filled, and of the Pd that was fitted with them.
@@ -275,6 +291,7 @@ class Finisher {
     std::span<const float> robust_;
     Estimate& estimate_;
     std::vector<ErrorBudget> budgets_;
+    std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
     std::vector<double> footprints_;  // see footprint_moments()
     std::vector<ResidualMoments> moments_;
     ResidualMoments prior_;

@@ -185,6 +185,7 @@ Json make_json(const Capture& capture, const EstimateOptions& options, const Est
     json.set("lambda",
              Json(estimate.iterations.empty() ? 0.0 : estimate.iterations.back().spectral_radius));
     json.set("noise_scale", Json(estimate.noise_scale));
+    json.set("lobe_misfit", Json(estimate.lobe_misfit));
     if (estimate.scale) json.set("scale", scale_json(*estimate.scale));
     if (estimate.shared_lobe) {
         json.set("shared_lobe", shared_lobe_json(*estimate.shared_lobe));
@@ -248,6 +249,10 @@ std::string estimate_text(const Json& result) {
     }
     if (const Json* const scale = result.find("scale")) {
         table.add({"absolute scale", scale_words(*scale)});
+    }
+    if (const double misfit = result.find("lobe_misfit")->number; misfit > 1) {
+        table.add({"lobes of another shape",
+                   fmt::format("errors of Ps and sigma enlarged {:.2g} times", misfit)});
     }
     table.add({"measured (status 1)", fmt::format("{} texels", by_status.find("1")->integer)});
     table.add({"diffuse measured (2)", fmt::format("{} texels", by_status.find("2")->integer)});

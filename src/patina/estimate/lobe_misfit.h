@@ -1,0 +1,31 @@
+// How far lobes hold beyond the looks that they were fitted to: a texel's deepest look into its
+// highlight is left out and predicted by a fit to the others.
+//
+// Based on: Allen. The Relationship between Variable Selection and Data Augmentation and a Method
+// for Prediction. Technometrics 16(1), 1974 (prediction of what is left out); Huber. Robust
+// Statistics. Wiley 1981, section 5 (scale from the median).
+#pragma once
+
+#include "patina/estimate/texel_fit.h"
+
+#include <optional>
+#include <span>
+#include <vector>
+
+namespace patina {
+
+// Square of the left-out look's residual (mean over channels, which err alike) over the variance
+// that the errors of the fit to the other looks and the look's own noise predict [-]: 1 in the mean
+// if the lobe is of the model's shape. Nothing where the other looks do not measure a lobe.
+// rows: all looks with their weights. fitted: to all of them. noise_scale: see Estimate.
+[[nodiscard]] std::optional<double> left_out_misfit(std::span<const FitRow> rows,
+                                                    const Reflectance& fitted,
+                                                    double noise_scale,
+                                                    const FitOptions& options);
+
+// By how much the standard errors of Ps and of sigma are to be multiplied [-], >= 1: the median of
+// the misfits over that of chi-square with one degree of freedom. 1 where there are too few to
+// tell.
+[[nodiscard]] double lobe_misfit_factor(std::vector<double> misfits);
+
+}  // namespace patina
