@@ -4,6 +4,7 @@
 #include "patina/base/error.h"
 #include "patina/base/output_file.h"
 #include "patina/capture/json_fields.h"
+#include "patina/math/types.h"
 #include "patina/scene/mesh_io.h"
 
 #include <fmt/format.h>
@@ -172,6 +173,14 @@ Result read_result(const fs::path& path) {
     result.name = root["name"].text();
     if (root["scale"].present()) {
         result.lamp_factor = root["scale"]["factor"].number_above_zero();
+    }
+    if (root["noise_scale"].present()) {
+        result.noise.scale = root["noise_scale"].number_above_zero();
+        result.noise.own = square(result.noise.scale);
+    }
+    if (root["noise_own"].present() && root["noise_shared"].present()) {
+        result.noise.own = root["noise_own"].number_not_below_zero();
+        result.noise.shared = root["noise_shared"].number_not_below_zero();
     }
     for (const MapFile& file : kMapFiles) {
         if (file.is_optional && !fs::exists(folder / file.name)) continue;

@@ -32,6 +32,14 @@ struct ReflectanceMaps {
     Image reason = {};         // one channel, a LobeReason as a number
 };
 
+// The noise of looks as a fit found it, in units of the stated one [-]. As it stands where a program
+// does not say.
+struct FitNoise {
+    double scale = 1;   // standard deviation, whatever the channels share
+    double own = 1;     // variance that the channels of a look do not share
+    double shared = 0;  // and that they do
+};
+
 struct Result {
     ReflectanceMaps maps;
     Mesh mesh;         // the surface in the capture's frame, with uvs
@@ -40,6 +48,7 @@ struct Result {
     // The lamps' true strength over the capture's [-]: other than 1 only where the capture did not
     // know it and the estimate told it.
     double lamp_factor = 1;
+    FitNoise noise;
 };
 
 // Writes the maps as OpenEXR into an existing folder, those that are not empty. The maps must be as

@@ -26,6 +26,8 @@ constexpr double kIndirectError = 0.02;
 // whole surface as so many degrees of freedom.
 constexpr int kRings = 2;
 constexpr double kPriorFreedom = 10.0;
+// Errors of Ps are reckoned from the mean Ps over so many rings.
+constexpr int kLobeRings = 4;
 
 KnownLobe known_lobe(const TexelFit& fit) {
     if (fit.roughness_measured) return KnownLobe::all;
@@ -49,6 +51,36 @@ struct ErrorBudget {
     ResidualMoments moments;
 };
 
+// Mean of the measured Ps round every texel that measured one, over its own Ps. Errors of Ps are a
+// share of Ps: reckoned from one that came out too low by chance they are too small, and too large
+// from one that came out too high.
+std::vector<double> mean_over_own_specular(const TexelAtlas& atlas,
+                                           std::span<const Reflectance> maps,
+                                           std::span<const TexelFit> fits) {
+    struct Sum {
+        double specular = 0;
+        double count = 0;
+        Sum& operator+=(const Sum& other) {
+            specular += other.specular;
+            count += other.count;
+            return *this;
+        }
+    };
+    const auto counts = [&](std::size_t i) {
+        return fits[i].observed && fits[i].roughness_measured && maps[i].specular > 0;
+    };
+    std::vector<Sum> sums(maps.size());
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        if (counts(i)) sums[i] = {maps[i].specular, 1.0};
+    }
+    sum_over_rings(atlas, kLobeRings, sums);
+    std::vector<double> ratios(maps.size(), 1.0);
+    for (std::size_t i = 0; i < ratios.size(); ++i) {
+        if (counts(i)) ratios[i] = sums[i].specular / sums[i].count / maps[i].specular;
+    }
+    return ratios;
+}
+
 class Finisher {
   public:
     Finisher(const Capture& capture,
@@ -67,6 +99,7 @@ class Finisher {
           fits_(fits),
           robust_(robust),
           estimate_(estimate),
+          specular_ratios_(mean_over_own_specular(capture.atlas, estimate.maps, fits)),
           budgets_(fits.size()),
           left_out_(fits.size()),
           footprints_(footprint_moments(capture, scene)) {}
@@ -99,9 +132,6 @@ class Finisher {
         estimate_.status[i] =
             fits_[i].specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         const Reflectance& fitted = estimate_.maps[i];
-        if (fits_[i].roughness_measured) {
-            left_out_[i] = left_out_misfit(rows, fitted, estimate_.noise_scale, FitOptions());
-        }
         estimate_.measurability[i] =
             texel_measurability(rows, fitted, fits_[i], estimate_.noise_scale);
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
@@ -109,9 +139,15 @@ class Finisher {
         budget.own = propagation.own_variance();
         budget.shared = propagation.shared_variance();
         budget.moments = propagation.moments();
+        std::vector<std::vector<Rgb>> changes;
         calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change) {
             budget.stated += propagation.response(change).cwiseAbs2();
+            if (fits_[i].roughness_measured) changes.emplace_back(change.begin(), change.end());
         });
+        if (fits_[i].roughness_measured) {
+            left_out_[i] =
+                left_out_misfit(rows, fitted, changes, estimate_.noise_scale, FitOptions());
+        }
         add_indirect(i, rows, propagation);
         if (known_lobe(fits_[i]) == KnownLobe::none) add_filled_lobe(i, rows, propagation);
     }
@@ -230,6 +266,8 @@ class Finisher {
         const double typical_shared = median(std::move(shared));
         prior_.own = kPriorFreedom * (median(std::move(own)) + typical_shared);
         prior_.shared = 2 * kPriorFreedom * typical_shared;
+        estimate_.noise_own = prior_.own_variance();
+        estimate_.noise_shared = prior_.shared_variance();
     }
 
     void find_lobe_misfit() {
@@ -250,7 +288,9 @@ class Finisher {
         const Parameters variance = random_variance(i) + budget.stated + budget.blur;
         const double misfit = estimate_.lobe_misfit;
         error.diffuse = variance.head<3>().array().sqrt();
-        if (fits_[i].specular_measured) error.specular = misfit * std::sqrt(variance[3]);
+        if (fits_[i].specular_measured) {
+            error.specular = misfit * specular_ratios_[i] * std::sqrt(variance[3]);
+        }
         if (fits_[i].roughness_measured) error.roughness = misfit * std::sqrt(variance[4]);
     }
 
@@ -290,6 +330,7 @@ class Finisher {
     std::span<const TexelFit> fits_;
     std::span<const float> robust_;
     Estimate& estimate_;
+    std::vector<double> specular_ratios_;  // see mean_over_own_specular()
     std::vector<ErrorBudget> budgets_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
     std::vector<double> footprints_;  // see footprint_moments()

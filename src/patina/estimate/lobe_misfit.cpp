@@ -28,45 +28,76 @@ Parameters gradient_of(const FitRow& row, const Reflectance& fitted) {
     return gradient;
 }
 
-// Variance of that prediction when the residuals of every look have variance 1 and its channels err
-// alike.
-double prediction_variance(std::span<const FitRow> rows,
-                           const Reflectance& fitted,
-                           const Parameters& gradient) {
-    const ErrorPropagation propagation(rows, fitted, KnownLobe::all);
-    std::vector<Rgb> change(rows.size(), Rgb::Zero());
-    double variance = 0;
-    for (std::size_t k = 0; k < rows.size(); ++k) {
-        if (!(rows[k].weight > 0).all()) continue;
-        change[k] = rows[k].weight.rsqrt();
-        variance += square(gradient.dot(propagation.response(change)));
-        change[k] = Rgb::Zero();
-    }
-    return variance;
+// `all` without the element at `left_out`.
+template <typename Value>
+std::vector<Value> without(std::span<const Value> all, std::ptrdiff_t left_out) {
+    std::vector<Value> others(all.begin(), all.begin() + left_out);
+    others.insert(others.end(), all.begin() + left_out + 1, all.end());
+    return others;
 }
+
+// The left-out look's residual, standardised and as a mean over channels.
+class LeftOut {
+  public:
+    LeftOut(const FitRow& row, std::span<const FitRow> others, const Reflectance& fitted)
+        : row_(row),
+          others_(others),
+          gradient_(gradient_of(row, fitted)),
+          propagation_(others, fitted, KnownLobe::all) {}
+
+    // Of the residual, when those of all looks have variance 1 and their channels err alike.
+    [[nodiscard]] double noise_variance() const {
+        std::vector<Rgb> change(others_.size(), Rgb::Zero());
+        double variance = 1;
+        for (std::size_t k = 0; k < others_.size(); ++k) {
+            if (!(others_[k].weight > 0).all()) continue;
+            change[k] = others_[k].weight.rsqrt();
+            variance += square(gradient_.dot(propagation_.response(change)));
+            change[k] = Rgb::Zero();
+        }
+        return variance;
+    }
+
+    // Of the residual, when its radiance changes by `own` and that of the others by `change`.
+    [[nodiscard]] double response(const Rgb& own, std::span<const Rgb> change) const {
+        return (row_.weight.sqrt() * own).mean() - gradient_.dot(propagation_.response(change));
+    }
+
+  private:
+    const FitRow& row_;
+    std::span<const FitRow> others_;
+    Parameters gradient_;
+    ErrorPropagation propagation_;
+};
 
 }  // namespace
 
 std::optional<double> left_out_misfit(std::span<const FitRow> rows,
                                       const Reflectance& fitted,
+                                      std::span<const std::vector<Rgb>> changes,
                                       double noise_scale,
                                       const FitOptions& options) {
     if (rows.size() < kMinLooks + 1) return std::nullopt;
-    const auto deepest = std::min_element(
-        rows.begin(), rows.end(), [](const auto& a, const auto& b) { return a.theta_r < b.theta_r; });
-    std::vector<FitRow> others(rows.begin(), deepest);
-    others.insert(others.end(), deepest + 1, rows.end());
+    const auto deepest =
+        std::min_element(rows.begin(), rows.end(), [](const FitRow& a, const FitRow& b) {
+            return a.theta_r < b.theta_r;
+        });
+    const std::ptrdiff_t index = deepest - rows.begin();
+    const std::vector<FitRow> others = without(rows, index);
     JointFit fit;
     fit.load(others);
-    TexelFit without;
-    without.reflectance = fit.solve(options, fitted.roughness);
-    judge_lobe(others, noise_scale, false, options, without);
-    if (!without.roughness_measured) return std::nullopt;
-    const Rgb residual = deepest->radiance - predict(*deepest, without.reflectance);
-    const double z = (deepest->weight.sqrt() * residual).mean();
-    const Parameters gradient = gradient_of(*deepest, without.reflectance);
-    const double variance = 1 + prediction_variance(others, without.reflectance, gradient);
-    return square(z / noise_scale) / variance;
+    TexelFit refitted;
+    refitted.reflectance = fit.solve(options, fitted.roughness);
+    judge_lobe(others, noise_scale, false, options, refitted);
+    if (!refitted.roughness_measured) return std::nullopt;
+    const LeftOut left_out(*deepest, others, refitted.reflectance);
+    double variance = square(noise_scale) * left_out.noise_variance();
+    for (const std::vector<Rgb>& change : changes) {
+        const std::vector<Rgb> of_others = without(std::span<const Rgb>(change), index);
+        variance += square(left_out.response(change[std::size_t(index)], of_others));
+    }
+    const Rgb residual = deepest->radiance - predict(*deepest, refitted.reflectance);
+    return square((deepest->weight.sqrt() * residual).mean()) / variance;
 }
 
 double lobe_misfit_factor(std::vector<double> misfits) {

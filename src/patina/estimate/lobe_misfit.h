@@ -17,9 +17,12 @@ namespace patina {
 // Square of the left-out look's residual (mean over channels, which err alike) over the variance
 // that the errors of the fit to the other looks and the look's own noise predict [-]: 1 in the mean
 // if the lobe is of the model's shape. Nothing where the other looks do not measure a lobe.
-// rows: all looks with their weights. fitted: to all of them. noise_scale: see Estimate.
+// rows: all looks with their weights. fitted: to all of them. changes: of the rows' radiance by one
+// standard deviation of each error that is known of and that the looks share, counted besides their
+// noise. noise_scale: see Estimate.
 [[nodiscard]] std::optional<double> left_out_misfit(std::span<const FitRow> rows,
                                                     const Reflectance& fitted,
+                                                    std::span<const std::vector<Rgb>> changes,
                                                     double noise_scale,
                                                     const FitOptions& options);
 

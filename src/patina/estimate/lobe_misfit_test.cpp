@@ -38,7 +38,7 @@ std::vector<double> misfits_of(bool has_tails) {
             row.radiance = exact + deviation * rng.normal();
             row.weight = deviation.square().inverse();
         }
-        const auto misfit = left_out_misfit(texel.rows(), kCore, 1, FitOptions());
+        const auto misfit = left_out_misfit(texel.rows(), kCore, {}, 1, FitOptions());
         if (misfit) misfits.push_back(*misfit);
     }
     return misfits;
@@ -60,10 +60,31 @@ TEST(LobeMisfit, ShowsTailsThatTheModelHasNot) {
     EXPECT_GT(lobe_misfit_factor(misfits), 2);
 }
 
+TEST(LobeMisfit, CountsErrorsThatTheLooksShare) {
+    SyntheticTexel texel(kNumLooks, kFurthest);
+    Rng rng(5, Pass::tests, 0);
+    texel.show(kCore, 0.01, 0.002, rng);
+    const auto misfit = [&](std::span<const std::vector<Rgb>> changes) {
+        return left_out_misfit(texel.rows(), kCore, changes, 1, FitOptions()).value();
+    };
+    // The deepest look alone, by three of its standard deviations: its own variance of 1 and what
+    // the others add become larger by nine.
+    std::vector<std::vector<Rgb>> changes = {std::vector<Rgb>(kNumLooks, Rgb::Zero())};
+    changes[0][0] = 3 * texel.rows()[0].weight.rsqrt();
+    const double alone = misfit({});
+    const double shared = misfit(changes);
+    ASSERT_GT(alone, 0);
+    // variance = residual^2 / misfit, and with v >= 1 the noise's, shared / alone = v / (v + 9).
+    EXPECT_GE(shared / alone, 1 / 10.0);
+    EXPECT_LT(shared / alone, 1);
+    const double noise_variance = 9 / (alone / shared - 1);
+    EXPECT_GE(noise_variance, 1 - 1e-9);
+}
+
 TEST(LobeMisfit, LeavesFewLooksAlone) {
     SyntheticTexel texel(4, 0.3);
     texel.show(kCore);
-    EXPECT_EQ(left_out_misfit(texel.rows(), kCore, 1, FitOptions()), std::nullopt);
+    EXPECT_EQ(left_out_misfit(texel.rows(), kCore, {}, 1, FitOptions()), std::nullopt);
 }
 
 TEST(LobeMisfit, LeavesOutOnlyWhereTheOthersMeasureALobe) {
@@ -71,7 +92,7 @@ TEST(LobeMisfit, LeavesOutOnlyWhereTheOthersMeasureALobe) {
     for (std::size_t k = 1; k < kNumLooks; ++k) texel.place_lamp(k, 0.6 + 0.02 * double(k));
     Rng rng(5, Pass::tests, 0);
     texel.show(kCore, 0.01, 0.002, rng);
-    EXPECT_EQ(left_out_misfit(texel.rows(), kCore, 1, FitOptions()), std::nullopt);
+    EXPECT_EQ(left_out_misfit(texel.rows(), kCore, {}, 1, FitOptions()), std::nullopt);
 }
 
 TEST(LobeMisfitFactor, IsTheRootOfTheMedianOverThatOfChiSquareAndAtLeastOne) {

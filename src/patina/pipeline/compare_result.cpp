@@ -245,7 +245,13 @@ Comparison compare_result(const fs::path& capture_path,
     const Result result = read_result(result_path);
     multiply_lamps(result.lamp_factor, capture.description);
     progress.end_stage();
-    return compare_maps(capture, result.maps, result_path.string(), options, progress);
+    Comparison comparison =
+        compare_maps(capture, result.maps, result_path.string(), options, progress);
+    if (comparison.truth) {
+        comparison.truth->bound = compare_with_bound(
+            capture, result.maps, load_truth(capture.description), result.noise, progress);
+    }
+    return comparison;
 }
 
 }  // namespace patina

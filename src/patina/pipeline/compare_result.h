@@ -50,6 +50,16 @@ struct MapComparison {
     std::size_t num_texels = 0;
 };
 
+// Lobes against the Cramer-Rao bound at the truth, for the noise that the fit found (lobe_bounds()).
+struct BoundComparison {
+    std::size_t num_measurable = 0;  // texels whose bound calls the lobe measurable
+    double measured_share = 0;       // of them, those of status 1 [-]
+    // Median over texels of status 1 of |estimate - truth| over its median for an unbiased estimate
+    // with normal errors that reaches the bound [-]: 1 is the best there is.
+    double specular_ratio = 0;
+    double roughness_ratio = 0;
+};
+
 // One shot, real and rendered [radiance], and which of its pixels count.
 struct ShotPair {
     Image real;
@@ -79,6 +89,7 @@ struct Comparison {
         std::optional<MapComparison> diffuse;    // over texels of status 1 and 2, three channels
         std::optional<MapComparison> specular;   // over texels of status 1
         std::optional<MapComparison> roughness;  // over texels of status 1
+        std::optional<BoundComparison> bound;    // by compare_result() alone
     };
     std::optional<Truth> truth;
 };

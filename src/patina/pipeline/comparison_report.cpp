@@ -27,6 +27,15 @@ Json truth_json(const MapComparison& comparison) {
     return json;
 }
 
+Json bound_json(const BoundComparison& comparison) {
+    Json json = Json::object();
+    json.set("measurable", Json(std::int64_t(comparison.num_measurable)));
+    json.set("measured_share", Json(comparison.measured_share));
+    json.set("specular_error_over_bound", Json(comparison.specular_ratio));
+    json.set("roughness_error_over_bound", Json(comparison.roughness_ratio));
+    return json;
+}
+
 void add_row(TextTable& table, const std::string& name, const ImageComparison& comparison) {
     table.add({name,
                fmt::format("{:.3f}", comparison.levels_mean),
@@ -73,6 +82,9 @@ Json comparison_json(const Comparison& comparison) {
         add("diffuse", comparison.truth->diffuse);
         add("specular", comparison.truth->specular);
         add("roughness", comparison.truth->roughness);
+        if (const auto& bound = comparison.truth->bound) {
+            truth.set("cramer_rao", bound_json(*bound));
+        }
         json.set("truth", std::move(truth));
     }
     Json per_shot = Json::list();
@@ -118,6 +130,15 @@ std::string comparison_text(const Comparison& comparison) {
         add_row(truth, "specular", comparison.truth->specular);
         add_row(truth, "roughness", comparison.truth->roughness);
         text += "\n" + truth.text();
+        if (const auto& bound = comparison.truth->bound) {
+            text += fmt::format(
+                "\nCramer-Rao bound at the truth: {} texels have a measurable lobe, {:.1f} % of them "
+                "status 1; median errors over the bound's: Ps {:.2f}, sigma {:.2f}\n",
+                bound->num_measurable,
+                100 * bound->measured_share,
+                bound->specular_ratio,
+                bound->roughness_ratio);
+        }
     }
     return text;
 }

@@ -185,6 +185,8 @@ Json make_json(const Capture& capture, const EstimateOptions& options, const Est
     json.set("lambda",
              Json(estimate.iterations.empty() ? 0.0 : estimate.iterations.back().spectral_radius));
     json.set("noise_scale", Json(estimate.noise_scale));
+    json.set("noise_own", Json(estimate.noise_own));
+    json.set("noise_shared", Json(estimate.noise_shared));
     json.set("lobe_misfit", Json(estimate.lobe_misfit));
     if (estimate.scale) json.set("scale", scale_json(*estimate.scale));
     if (estimate.shared_lobe) {

@@ -1,5 +1,6 @@
 #include "patina/pipeline/truth_comparison.h"
 
+#include "patina/estimate/lobe_bounds.h"
 #include "patina/math/statistics.h"
 #include "patina/math/types.h"
 
@@ -99,7 +100,55 @@ Comparison::Truth compare_with_truth(const ReflectanceMaps& maps, const TruthMap
     };
     return {compare(maps.diffuse, maps.diffuse_stderr, truth.diffuse, true),
             compare(maps.specular, maps.specular_stderr, truth.specular, false),
-            compare(maps.roughness, maps.roughness_stderr, truth.roughness, false)};
+            compare(maps.roughness, maps.roughness_stderr, truth.roughness, false),
+            std::nullopt};
+}
+
+std::optional<BoundComparison> compare_with_bound(const Capture& capture,
+                                                  const ReflectanceMaps& maps,
+                                                  const TruthMaps& truth,
+                                                  const FitNoise& noise,
+                                                  Progress& progress) {
+    const std::vector<Texel>& texels = capture.atlas.texels;
+    std::vector<Reflectance> reflectance(texels.size());
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+        const int x = texels[i].column;
+        const int y = texels[i].row;
+        reflectance[i] = {{double(truth.diffuse.at(x, y, 0)),
+                           double(truth.diffuse.at(x, y, 1)),
+                           double(truth.diffuse.at(x, y, 2))},
+                          double(truth.specular.at(x, y)),
+                          std::max(double(truth.roughness.at(x, y)), kMinRoughness)};
+    }
+    const std::vector<LobeBound> bounds =
+        lobe_bounds(capture, reflectance, noise, progress);
+    std::size_t num_measured = 0;
+    BoundComparison comparison;
+    std::vector<double> specular;
+    std::vector<double> roughness;
+    for (std::size_t i = 0; i < texels.size(); ++i) {
+        const int x = texels[i].column;
+        const int y = texels[i].row;
+        if (!truth.mask.empty() && truth.mask.at(x, y) == 0) continue;
+        const LobeBound& bound = bounds[i];
+        const bool is_measured =
+            TexelStatus(int(maps.status.at(x, y))) == TexelStatus::measured;
+        comparison.num_measurable += bound.measurable ? 1 : 0;
+        num_measured += bound.measurable && is_measured ? 1 : 0;
+        if (!is_measured || !(bound.specular > 0) || !std::isfinite(bound.specular)) continue;
+        const auto ratio = [](double estimate, double true_value, double deviation) {
+            return std::abs(estimate - true_value) / (half_width(0.5) * deviation);
+        };
+        specular.push_back(
+            ratio(double(maps.specular.at(x, y)), reflectance[i].specular, bound.specular));
+        roughness.push_back(
+            ratio(double(maps.roughness.at(x, y)), reflectance[i].roughness, bound.roughness));
+    }
+    if (specular.empty() || comparison.num_measurable == 0) return std::nullopt;
+    comparison.measured_share = double(num_measured) / double(comparison.num_measurable);
+    comparison.specular_ratio = median(std::move(specular));
+    comparison.roughness_ratio = median(std::move(roughness));
+    return comparison;
 }
 
 }  // namespace patina

@@ -11,4 +11,11 @@ namespace patina {
 [[nodiscard]] Comparison::Truth compare_with_truth(const ReflectanceMaps& maps,
                                                    const TruthMaps& truth);
 
+// noise: of the fit. Nothing where no texel of status 1 has a bound.
+[[nodiscard]] std::optional<BoundComparison> compare_with_bound(const Capture& capture,
+                                                                const ReflectanceMaps& maps,
+                                                                const TruthMaps& truth,
+                                                                const FitNoise& noise,
+                                                                Progress& progress);
+
 }  // namespace patina
