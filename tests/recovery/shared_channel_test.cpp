@@ -67,13 +67,19 @@ TEST(SharedChannel, GatheringFindsTheTruthCloser) {
     Progress progress;
     const Estimate gathered = estimate_reflectance(capture, options, progress);
     EXPECT_TRUE(gathered.converged);
-    const Comparison::Truth truth = compare(capture, options, gathered);
+    const Result result = make_result(capture, options, gathered);
+    const TruthMaps maps = load_truth(capture.description);
+    const Comparison::Truth truth = compare_with_truth(result.maps, maps);
     EXPECT_NEAR(truth.diffuse->mean_relative_error, 0, 0.005);
     EXPECT_LE(truth.diffuse->median_absolute_relative_error, 0.015);
     EXPECT_LE(truth.specular->median_absolute_relative_error, 0.06);
     EXPECT_LE(truth.roughness->median_absolute_relative_error, 0.06);
-    const IntervalCoverage coverage =
-        interval_coverage(capture, load_truth(capture.description), gathered);
+    const auto bound = compare_with_bound(capture, result.maps, maps, result.noise, progress);
+    ASSERT_TRUE(bound);
+    EXPECT_GE(bound->measured_share, 0.9);
+    EXPECT_LE(bound->specular_ratio, 1.3);
+    EXPECT_LE(bound->roughness_ratio, 1.3);
+    const IntervalCoverage coverage = interval_coverage(capture, maps, gathered);
     // 62 to 74 % and 91 to 98 %, and chance: neighbours' errors are alike, so 65 000 numbers count
     // as a tenth of them at the most, and three standard deviations of the share are 2 %.
     constexpr double kChance = 0.02;

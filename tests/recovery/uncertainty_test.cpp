@@ -1,6 +1,8 @@
 // Error bars that hold: coverage of the truth on object A, with calibrated and with miscalibrated
 // captures, and outliers that change little.
 #include "patina/math/statistics.h"
+#include "patina/pipeline/estimate_capture.h"
+#include "patina/pipeline/truth_comparison.h"
 
 #include <gtest/gtest.h>
 
@@ -53,6 +55,30 @@ TEST(Uncertainty, CoversTheTruthAsOftenAsItSays) {
         EXPECT_GE(shares.share95, 0.91 - kChance) << shares.name;
         EXPECT_LE(shares.share95, 1.0) << shares.name;
     }
+}
+
+// The bars that the project is held to: nine tenths, and 1.3 times the bound.
+TEST(Uncertainty, LobesComeNearTheCramerRaoBound) {
+    const SimulatedCapture simulated = simulate(small_scan());
+    const Capture& capture = simulated.capture();
+    const EstimateOptions options;
+    const Result result = make_result(capture, options, simulated.estimate(options));
+    Progress progress;
+    const auto bound =
+        compare_with_bound(capture, result.maps, simulated.truth(), result.noise, progress);
+    ASSERT_TRUE(bound);
+    EXPECT_GT(bound->num_measurable, capture.atlas.texels.size() / 4);
+    EXPECT_GE(bound->measured_share, 0.9);
+    EXPECT_LE(bound->specular_ratio, 1.3);
+    EXPECT_LE(bound->roughness_ratio, 1.3);
+    // Noise three times as large as it is would make the bound three times as wide.
+    FitNoise louder = result.noise;
+    louder.own *= 9;
+    louder.shared *= 9;
+    const auto wide = compare_with_bound(capture, result.maps, simulated.truth(), louder, progress);
+    ASSERT_TRUE(wide);
+    EXPECT_NEAR(wide->specular_ratio, bound->specular_ratio / 3, 1e-9);
+    EXPECT_EQ(wide->num_measurable, bound->num_measurable);
 }
 
 TEST(Uncertainty, ReckonsWithStatedErrorsOfCalibration) {

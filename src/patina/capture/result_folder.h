@@ -32,8 +32,8 @@ struct ReflectanceMaps {
     Image reason = {};         // one channel, a LobeReason as a number
 };
 
-// The noise of looks as a fit found it, in units of the stated one [-]. As it stands where a program
-// does not say.
+// The noise of looks as a fit found it, in units of the stated one [-]. As it stands where a
+// program does not say.
 struct FitNoise {
     double scale = 1;   // standard deviation, whatever the channels share
     double own = 1;     // variance that the channels of a look do not share

@@ -78,11 +78,11 @@ struct Estimate {
     bool converged = false;
     std::size_t num_clamped = 0;  // texels held in the feasible set
     double noise_scale = 1;       // root of the median misfit over the stated variance [-]
-    // Of the standardised residuals, the median over the surface: the variance that the channels of a
-    // look do not share, and that they do [-].
+    // Of the standardised residuals, the median over the surface: the variance that the channels of
+    // a look do not share, and that they do [-].
     double noise_own = 1;
     double noise_shared = 0;
-    double lobe_misfit = 1;       // factor of the errors of Ps and sigma, lobe_misfit_factor() [-]
+    double lobe_misfit = 1;  // factor of the errors of Ps and sigma, lobe_misfit_factor() [-]
     // Where the capture does not know the strength of its lamps. The maps are those under the lamps
     // as stated times its factor.
     std::optional<ScaleEstimate> scale;

@@ -333,7 +333,7 @@ class Finisher {
     std::vector<double> specular_ratios_;  // see mean_over_own_specular()
     std::vector<ErrorBudget> budgets_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
-    std::vector<double> footprints_;  // see footprint_moments()
+    std::vector<double> footprints_;               // see footprint_moments()
     std::vector<ResidualMoments> moments_;
     ResidualMoments prior_;
 };

@@ -21,9 +21,9 @@ struct LobeBound {
     double roughness = 0;  // of sigma [rad]
 };
 
-// One per texel of the atlas. truth: one per texel; noise: of the looks; the lobe seen by direct light
-// alone, as judge_lobe() does. What the channels of a look share is no news from the second and
-// third of them: the bound is that of weighted least squares under such noise.
+// One per texel of the atlas. truth: one per texel; noise: of the looks; the lobe seen by direct
+// light alone, as judge_lobe() does. What the channels of a look share is no news from the second
+// and third of them: the bound is that of weighted least squares under such noise.
 [[nodiscard]] std::vector<LobeBound> lobe_bounds(const Capture& capture,
                                                  std::span<const Reflectance> truth,
                                                  const FitNoise& noise,

@@ -70,6 +70,7 @@ struct MethodReport {
     std::string method;  // "direct", "diffuse", "photon"
     ReportMaps maps;
     CertaintyMaps certainty;
+    double lobe_misfit = 1;              // see lobe_misfit_factor() [-]
     std::optional<ScaleEstimate> scale;  // of the lamps, where the capture did not state it
     std::vector<IterationLog> iterations;
     bool converged = false;

@@ -97,13 +97,21 @@ std::string certainty_figure(const ReportData& data, const ObjectReport& object)
     cells += name_cell("Lobe", "why it is measured or not: legend below");
     cells += picture_html(colored_image({reduce_labels(maps.reason, width), {}}, reason_color),
                           "reasons of " + object.title);
+    const std::string misfit =
+        method->lobe_misfit > 1
+            ? " Lobes are of another shape than the model's: left-out looks into the highlights "
+              "differ more from their prediction than errors say, and those of Ps and \u03c3 are "
+              "enlarged " +
+                  format_number(method->lobe_misfit, 2) + " times."
+            : "";
     return html_figure(
         picture_grid(3, maps.reason, kMaxMapHeight, cells) + reason_bars(object),
         "Maps of " + method_label(method->method) +
             ". Standard errors hold everything that is reckoned with, also that of filled lobes. "
             "Measurable: from the geometry and the noise of the looks alone, Ps with \u03c3 given, "
             "\u03c3 with nothing given; the lightest colour stands for all that is worse. Shares "
-            "of the reasons for every method.");
+            "of the reasons for every method." +
+            misfit);
 }
 
 }  // namespace

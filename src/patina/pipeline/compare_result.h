@@ -50,7 +50,8 @@ struct MapComparison {
     std::size_t num_texels = 0;
 };
 
-// Lobes against the Cramer-Rao bound at the truth, for the noise that the fit found (lobe_bounds()).
+// Lobes against the Cramer-Rao bound at the truth, for the noise that the fit found
+// (lobe_bounds()).
 struct BoundComparison {
     std::size_t num_measurable = 0;  // texels whose bound calls the lobe measurable
     double measured_share = 0;       // of them, those of status 1 [-]

@@ -132,7 +132,8 @@ std::string comparison_text(const Comparison& comparison) {
         text += "\n" + truth.text();
         if (const auto& bound = comparison.truth->bound) {
             text += fmt::format(
-                "\nCramer-Rao bound at the truth: {} texels have a measurable lobe, {:.1f} % of them "
+                "\nCramer-Rao bound at the truth: {} texels have a measurable lobe, {:.1f} % of "
+                "them "
                 "status 1; median errors over the bound's: Ps {:.2f}, sigma {:.2f}\n",
                 bound->num_measurable,
                 100 * bound->measured_share,

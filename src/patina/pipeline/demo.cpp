@@ -141,6 +141,7 @@ class Experiment {
                             result.maps.roughness_stderr,
                             result.maps.measurability,
                             result.maps.reason};
+        report.lobe_misfit = estimate.lobe_misfit;
         report.scale = estimate.scale;
         report.iterations = estimate.iterations;
         report.converged = estimate.converged;

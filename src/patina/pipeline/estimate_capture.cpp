@@ -207,6 +207,7 @@ Result make_result(const Capture& capture,
     result.mesh = capture.mesh;
     result.name = capture.description.name;
     if (estimate.scale) result.lamp_factor = estimate.scale->factor;
+    result.noise = {estimate.noise_scale, estimate.noise_own, estimate.noise_shared};
     result.json = to_text(make_json(capture, options, estimate));
     return result;
 }

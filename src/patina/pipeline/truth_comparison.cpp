@@ -120,8 +120,7 @@ std::optional<BoundComparison> compare_with_bound(const Capture& capture,
                           double(truth.specular.at(x, y)),
                           std::max(double(truth.roughness.at(x, y)), kMinRoughness)};
     }
-    const std::vector<LobeBound> bounds =
-        lobe_bounds(capture, reflectance, noise, progress);
+    const std::vector<LobeBound> bounds = lobe_bounds(capture, reflectance, noise, progress);
     std::size_t num_measured = 0;
     BoundComparison comparison;
     std::vector<double> specular;
@@ -131,8 +130,7 @@ std::optional<BoundComparison> compare_with_bound(const Capture& capture,
         const int y = texels[i].row;
         if (!truth.mask.empty() && truth.mask.at(x, y) == 0) continue;
         const LobeBound& bound = bounds[i];
-        const bool is_measured =
-            TexelStatus(int(maps.status.at(x, y))) == TexelStatus::measured;
+        const bool is_measured = TexelStatus(int(maps.status.at(x, y))) == TexelStatus::measured;
         comparison.num_measurable += bound.measurable ? 1 : 0;
         num_measured += bound.measurable && is_measured ? 1 : 0;
         if (!is_measured || !(bound.specular > 0) || !std::isfinite(bound.specular)) continue;
