@@ -2,9 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
-
-#include <Eigen/IterativeLinearSolvers>
-#include <Eigen/SparseCore>
+#include "patina/estimate/link_equation.h"
 
 #include <algorithm>
 #include <array>
@@ -27,9 +25,6 @@ constexpr double kReach = 60.0;
 // Known texels that the trend is made of, at most, and how many of them count as nothing new.
 constexpr std::size_t kMaxSamples = 2000;
 constexpr double kPriorCount = 2.0;
-// The solver's relative residual; more steps than its limit would change nothing to be seen.
-constexpr double kSolverTolerance = 1e-5;
-constexpr int kSolverSteps = 400;
 
 struct Sample {
     Vec3 color = Vec3::Zero();
@@ -142,47 +137,31 @@ void GuidedFill::fill(std::span<const float> confidence,
         return;
     }
     const std::vector<double> expected = trend(confidence, values);
-    std::vector<int> unknown(values.size(), -1);
-    int num_unknown = 0;
+    LinkEquation equation;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!(confidence[i] > 0)) unknown[i] = num_unknown++;
+        if (!(confidence[i] > 0)) equation.unknown.push_back(TexelId(i));
     }
-    if (num_unknown == 0) return;
-    Eigen::SparseMatrix<double, Eigen::RowMajor> matrix(num_unknown, num_unknown);
-    Eigen::VectorXd right = Eigen::VectorXd::Zero(num_unknown);
-    Eigen::VectorXd start(num_unknown);
-    std::vector<Eigen::Triplet<double>> entries;
-    entries.reserve(std::size_t(num_unknown) * 7);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        const int row = unknown[i];
-        if (row < 0) continue;
-        start[row] = values[i] - expected[i];
+    if (equation.unknown.empty()) return;
+    equation.diagonal.resize(equation.unknown.size());
+    equation.right.resize(equation.unknown.size());
+    parallel_for(equation.unknown.size(), [&](std::size_t row) {
+        const TexelId i = equation.unknown[row];
         double diagonal = 1 / square(kReach);
+        double right = 0;
         for (std::uint32_t k = atlas_.neighbor_begin[i]; k < atlas_.neighbor_begin[i + 1]; ++k) {
             const TexelId j = atlas_.neighbors[k];
-            const double link = double(link_[k]);
-            if (unknown[j] >= 0) {
-                entries.emplace_back(row, unknown[j], -link);
-                diagonal += link;
-            } else {
-                const double weight = link * double(confidence[j]);
-                right[row] += weight * (values[j] - expected[j]);
-                diagonal += weight;
-            }
+            const bool is_known = confidence[j] > 0;
+            const double weight = double(link_[k]) * (is_known ? double(confidence[j]) : 1.0);
+            diagonal += weight;
+            if (is_known) right += weight * (values[j] - expected[j]);
         }
-        entries.emplace_back(row, row, diagonal);
-    }
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    Eigen::ConjugateGradient<Eigen::SparseMatrix<double, Eigen::RowMajor>,
-                             Eigen::Lower | Eigen::Upper>
-        solver;
-    solver.setTolerance(kSolverTolerance);
-    solver.setMaxIterations(kSolverSteps);
-    solver.compute(matrix);
-    const Eigen::VectorXd solution = solver.solveWithGuess(right, start);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (unknown[i] >= 0) values[i] = expected[i] + solution[unknown[i]];
-    }
+        equation.diagonal[row] = diagonal;
+        equation.right[row] = right;
+    });
+    std::vector<double> above(values.size());
+    for (std::size_t i = 0; i < values.size(); ++i) above[i] = values[i] - expected[i];
+    solve_links(atlas_, link_, equation, LinkSolverOptions(), above);
+    for (const TexelId i : equation.unknown) values[i] = expected[i] + above[i];
 }
 
 }  // namespace patina

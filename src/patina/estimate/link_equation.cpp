@@ -1,0 +1,130 @@
+#include "patina/estimate/link_equation.h"
+
+#include "patina/base/check.h"
+#include "patina/base/parallel.h"
+#include "patina/math/types.h"
+
+namespace patina {
+namespace {
+
+// u.A u or u.u and what is needed beside it, summed over the unknown texels.
+struct Products {
+    double residual_squared = 0;
+    double residual_scaled = 0;  // residual . residual / diagonal
+
+    Products& operator+=(const Products& other) {
+        residual_squared += other.residual_squared;
+        residual_scaled += other.residual_scaled;
+        return *this;
+    }
+};
+
+class Solver {
+  public:
+    Solver(const TexelAtlas& atlas,
+           std::span<const float> link,
+           const LinkEquation& equation,
+           std::vector<double>& values)
+        : atlas_(atlas),
+          link_(link),
+          equation_(equation),
+          values_(values),
+          direction_(values.size(), 0.0),
+          residual_(equation.unknown.size()),
+          image_(equation.unknown.size()) {}
+
+    int run(const LinkSolverOptions& options) {
+        const double right_squared = ordered_reduce(
+            size(), 0.0, [&](std::size_t row) { return square(equation_.right[row]); });
+        const double goal = square(options.tolerance) * right_squared;
+        Products products = start();
+        int steps = 0;
+        while (products.residual_squared > goal && steps < options.max_steps) {
+            const double curvature = ordered_reduce(size(), 0.0, [&](std::size_t row) {
+                image_[row] = image_of(direction_, row);
+                return direction_[equation_.unknown[row]] * image_[row];
+            });
+            const double before = products.residual_scaled;
+            products = advance(before / curvature);
+            turn(products.residual_scaled / before);
+            ++steps;
+        }
+        return steps;
+    }
+
+  private:
+    [[nodiscard]] std::size_t size() const { return equation_.unknown.size(); }
+
+    [[nodiscard]] double image_of(const std::vector<double>& of, std::size_t row) const {
+        const TexelId texel = equation_.unknown[row];
+        double sum = equation_.diagonal[row] * of[texel];
+        for (std::uint32_t k = atlas_.neighbor_begin[texel]; k < atlas_.neighbor_begin[texel + 1];
+             ++k) {
+            sum -= double(link_[k]) * of[atlas_.neighbors[k]];
+        }
+        return sum;
+    }
+
+    [[nodiscard]] Products products_of(std::size_t row) const {
+        const double squared = square(residual_[row]);
+        return {squared, squared / equation_.diagonal[row]};
+    }
+
+    Products start() {
+        const Products products = ordered_reduce(size(), Products(), [&](std::size_t row) {
+            residual_[row] = equation_.right[row] - image_of(values_, row);
+            return products_of(row);
+        });
+        turn(0);
+        return products;
+    }
+
+    // Moves along the direction.
+    Products advance(double step) {
+        return ordered_reduce(size(), Products(), [&](std::size_t row) {
+            const TexelId texel = equation_.unknown[row];
+            values_[texel] += step * direction_[texel];
+            residual_[row] -= step * image_[row];
+            return products_of(row);
+        });
+    }
+
+    // The next direction: the preconditioned residual, and so much of the last one.
+    void turn(double share) {
+        parallel_for(
+            size(),
+            [&](std::size_t row) {
+                const TexelId texel = equation_.unknown[row];
+                direction_[texel] =
+                    residual_[row] / equation_.diagonal[row] + share * direction_[texel];
+            },
+            kParallelBlock);
+    }
+
+    const TexelAtlas& atlas_;
+    std::span<const float> link_;
+    const LinkEquation& equation_;
+    std::vector<double>& values_;    // per texel; 0 where known
+    std::vector<double> direction_;  // per texel; 0 where known
+    std::vector<double> residual_;   // per row
+    std::vector<double> image_;      // of the direction, per row
+};
+
+}  // namespace
+
+int solve_links(const TexelAtlas& atlas,
+                std::span<const float> link,
+                const LinkEquation& equation,
+                const LinkSolverOptions& options,
+                std::vector<double>& values) {
+    PATINA_CHECK_EQ(values.size(), atlas.texels.size());
+    PATINA_CHECK_EQ(link.size(), atlas.neighbors.size());
+    PATINA_CHECK_EQ(equation.diagonal.size(), equation.unknown.size());
+    PATINA_CHECK_EQ(equation.right.size(), equation.unknown.size());
+    std::vector<double> start(values.size(), 0.0);
+    for (const TexelId texel : equation.unknown) start[texel] = values[texel];
+    values = std::move(start);
+    return Solver(atlas, link, equation, values).run(options);
+}
+
+}  // namespace patina
