@@ -20,9 +20,9 @@ Rgb lamp_color(const Light& light) {
     return light.type == LightType::point ? light.intensity : light.irradiance;
 }
 
-std::vector<LitLanes> texel_lanes(const TexelAtlas& atlas, const LampBlock& lamps) {
+LargeVector<LitLanes> texel_lanes(const TexelAtlas& atlas, const LampBlock& lamps) {
     PATINA_CHECK(lamps.size() <= kLampLanes);
-    std::vector<LitLanes> lanes(atlas.texels.size());
+    LargeVector<LitLanes> lanes(atlas.texels.size());
     parallel_for(lanes.size(), [&](std::size_t i) {
         LitLanes& lit = lanes[i];
         for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {

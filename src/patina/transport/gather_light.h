@@ -5,6 +5,7 @@
 // of its own, with its own shadow rays, for the azimuth of the texel that gathers.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/transport/gather_graph.h"
 #include "patina/transport/photon_paths.h"
 
@@ -44,7 +45,7 @@ struct alignas(32) CompactLanes {
 [[nodiscard]] Rgb lamp_color(const Light& light);
 
 // One entry per texel of the atlas.
-[[nodiscard]] std::vector<LitLanes> texel_lanes(const TexelAtlas& atlas, const LampBlock& lamps);
+[[nodiscard]] LargeVector<LitLanes> texel_lanes(const TexelAtlas& atlas, const LampBlock& lamps);
 
 // One entry per hit of the rows, at the azimuth of the texel that the row belongs to.
 [[nodiscard]] std::vector<CompactLanes> hit_lanes(const Surface& surface,

@@ -138,9 +138,12 @@ void LampBlockLight::add_lobe_of_lamps(const RadiantTexels::Material& material,
     for (Lanes& channel : radiance) add_scaled(1, lobe, channel);
 }
 
-void LampBlockLight::expect(const GatherRows& rows, std::size_t hit_index) const {
+void LampBlockLight::expect(const RadiantTexels& texels,
+                            const GatherRows& rows,
+                            std::size_t hit_index) const {
     if (hit_index >= rows.hits.size()) return;
     const TexelId texel = rows.hits[hit_index].to;
+    prefetch(texels[texel]);
     prefetch(radiosity_[texel]);
     if (!turning_) prefetch(texel_lanes_[texel]);
 }
@@ -192,7 +195,7 @@ void LampBlockLight::sweep(const GatherGraph& graph,
             for (std::size_t k = graph.irradiance.begin[i]; k < graph.irradiance.begin[i + 1];
                  ++k) {
                 const GatherHit& hit = graph.irradiance.hits[k];
-                expect(graph.irradiance, k + kAhead);
+                expect(texels, graph.irradiance, k + kAhead);
                 const Radiance radiance = radiance_of(texels, hit, k, irradiance_lanes_);
                 for (std::size_t c = 0; c < 3; ++c) {
                     // Half of the rays stands for the whole hemisphere.
@@ -237,7 +240,7 @@ LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
     const std::vector<CompactLanes>& compact = turning_ ? lobe_lanes_[view] : kNone;
     for (std::size_t k = rows.begin[texel]; k < rows.begin[texel + 1]; ++k) {
         const GatherHit& hit = rows.hits[k];
-        expect(rows, k + kAhead);
+        expect(texels, rows, k + kAhead);
         const float theta_squared = squared_angle(std::max(0.0f, 1 - mirror.dot(hit.w)));
         // The three Gaussians are powers of each other.
         const float twice = exp_of_negative(-0.125f * theta_squared / variance);

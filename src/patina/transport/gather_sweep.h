@@ -20,7 +20,7 @@
 namespace patina {
 
 // Indirect light of one lamp block at every texel, per white lamp: irradiance, three channels.
-using IndirectLanes = std::vector<std::array<Lanes, 3>>;
+using IndirectLanes = LargeVector<std::array<Lanes, 3>>;
 
 // The maps as a sweep reads them.
 class RadiantTexels {
@@ -84,7 +84,7 @@ class LampBlockLight {
   private:
     using Radiance = std::array<Lanes, 3>;
     // Asks for what radiance_of() will read of a hit to come.
-    void expect(const GatherRows& rows, std::size_t hit_index) const;
+    void expect(const RadiantTexels& texels, const GatherRows& rows, std::size_t hit_index) const;
     void light_hits(const GatherGraph& graph);
     void add_lobe_of_lamps(const RadiantTexels::Material& material,
                            const GatherHit& hit,
@@ -103,7 +103,7 @@ class LampBlockLight {
     bool turning_;
     bool keeps_hits_;
     bool has_hits_ = false;
-    std::vector<LitLanes> texel_lanes_;                  // standing lamps
+    LargeVector<LitLanes> texel_lanes_;                  // standing lamps
     std::vector<CompactLanes> irradiance_lanes_;         // turning lamps, per hit
     std::vector<std::vector<CompactLanes>> lobe_lanes_;  // the same, per camera view
     IndirectLanes indirect_;                             // of the last sweep
