@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "support/channel.h"
-#include <cstring>
+#include "support/same_bytes.h"
 #include <numeric>
 
 namespace patina {
@@ -66,11 +66,6 @@ class ManyLamps : public testing::Test {
     std::vector<std::vector<DirectLight>> direct_;
     std::vector<std::uint8_t> seen_ = std::vector<std::uint8_t>(channel_.atlas.texels.size(), 0);
 };
-
-template <typename Value>
-bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
-}
 
 TEST_F(ManyLamps, EachSendsWhatItSendsAlone) {
     std::vector<std::vector<std::size_t>> sets;

@@ -4,8 +4,8 @@
 
 #include "support/channel.h"
 #include "support/gathered_light.h"
+#include "support/same_bytes.h"
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <tuple>
 
@@ -346,11 +346,6 @@ TEST_F(GatherChannel, IsSeenThroughTheLobeAsThePathTracerSeesIt) {
                      kChannelBias + left_out + spread_bias(first, converged),
                      name + ", converged");
     }
-}
-
-template <typename Value>
-bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
 }
 
 TEST_F(GatherChannel, IsTheSameForAnyNumberOfThreads) {
