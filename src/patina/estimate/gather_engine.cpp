@@ -78,18 +78,31 @@ GatherEngine::GatherEngine(const Surface& surface,
     progress.end_stage();
 }
 
-void GatherEngine::add_irradiance(const LampPlace& place,
+void GatherEngine::add_irradiance(std::size_t block,
                                   const std::array<IndirectLanes, 2>& halves,
-                                  IndirectIrradiance& sum) const {
-    for (std::size_t half = 0; half < 2; ++half) {
-        std::vector<Rgbf>& values = sum.halves[half];
-        values.resize(atlas_.texels.size(), Rgbf::Zero());
-        parallel_for(values.size(), [&](std::size_t i) {
-            const auto& lanes = halves[half][i];
-            values[i] += place.color *
-                         Rgbf(lanes[0][place.lane], lanes[1][place.lane], lanes[2][place.lane]);
-        });
+                                  std::vector<IndirectIrradiance>& sums) const {
+    struct Share {
+        const LampPlace* place;
+        std::array<Rgbf*, 2> halves;
+    };
+    std::vector<Share> shares;
+    for (std::size_t set = 0; set < places_.size(); ++set) {
+        for (const LampPlace& place : places_[set]) {
+            if (place.block != block) continue;
+            shares.push_back({&place, {sums[set].halves[0].data(), sums[set].halves[1].data()}});
+        }
     }
+    // All lamps of a texel at once: their lanes lie side by side.
+    parallel_for(atlas_.texels.size(), [&](std::size_t i) {
+        for (std::size_t half = 0; half < 2; ++half) {
+            const auto& lanes = halves[half][i];
+            for (const Share& share : shares) {
+                const std::size_t lane = share.place->lane;
+                share.halves[half][i] +=
+                    share.place->color * Rgbf(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
+            }
+        }
+    });
 }
 
 void GatherEngine::add_lobes(std::size_t block,
@@ -128,6 +141,11 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
     const RadiantTexels texels(atlas_, maps, with_specular);
     IndirectLight light;
     light.irradiance.resize(places_.size());
+    for (IndirectIrradiance& irradiance : light.irradiance) {
+        for (std::vector<Rgbf>& half : irradiance.halves) {
+            half.assign(atlas_.texels.size(), Rgbf::Zero());
+        }
+    }
     std::vector<std::uint8_t> glossy(atlas_.texels.size());
     if (with_specular) {
         light.lobe.assign(scene_.shots.size(), std::vector<IndirectLobe>(atlas_.texels.size()));
@@ -140,11 +158,7 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
     std::vector<double> mean(atlas_.texels.size(), 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         blocks_[block].sweep(graph_, texels, filter_, halves);
-        for (std::size_t set = 0; set < places_.size(); ++set) {
-            for (const LampPlace& place : places_[set]) {
-                if (place.block == block) add_irradiance(place, halves, light.irradiance[set]);
-            }
-        }
+        add_irradiance(block, halves, light.irradiance);
         if (with_specular) add_lobes(block, texels, maps, glossy, light.lobe);
         blocks_[block].end_sweep();
         parallel_for(mean.size(), [&](std::size_t i) {

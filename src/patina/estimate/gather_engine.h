@@ -45,10 +45,10 @@ class GatherEngine final : public IndirectEngine {
     };
 
     [[nodiscard]] double spectral_radius_from(std::vector<double> mean);
-    void add_irradiance(const LampPlace& place,
+    // The light of one block's lamps, to the lamp sets that they belong to.
+    void add_irradiance(std::size_t block,
                         const std::array<IndirectLanes, 2>& halves,
-                        IndirectIrradiance& sum) const;
-    // sum: per used shot, per texel.
+                        std::vector<IndirectIrradiance>& sums) const;
     void add_lobes(std::size_t block,
                    const RadiantTexels& texels,
                    std::span<const Reflectance> maps,

@@ -109,9 +109,10 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
     // One that is not kept is there while it is worked on.
     const std::size_t present = std::min(kept_blocks + 1, counts.turning_blocks);
     constexpr double kSwept = sizeof(IndirectLanes::value_type);
-    need.lanes = hits * double(present) * sizeof(CompactLanes) +
-                 texels * double(counts.standing_blocks) * sizeof(LitLanes) +
-                 texels * double(counts.standing_blocks + counts.turning_blocks) * 2 * kSwept;
+    need.lanes =
+        hits * double(present) * sizeof(CompactLanes) +
+        texels * double(counts.standing_blocks) * (sizeof(Lanes) + sizeof(LitTexels::Mirror)) +
+        texels * double(counts.standing_blocks + counts.turning_blocks) * 2 * kSwept;
     // Two halves, before and after the filter.
     const double sweep = 4 * kSwept;
     const double filter =

@@ -10,7 +10,7 @@
 //     graph      H GatherHit + 8 T (V + 1)
 //     tracing    2 GatherHit for each hit of the largest rows, on top, before they are compact
 //     lanes      H CompactLanes for each block of 16 lamps that turn with the scanner,
-//                T LitLanes for each one that stands, 384 T for either
+//                T LitTexels for each one that stands, 384 T for either
 //     light      T (24 M + IndirectLobe S) + 768 T while a block is swept
 //     texels     kTexelBytes T
 //

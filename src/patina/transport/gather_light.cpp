@@ -3,7 +3,9 @@
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 
 namespace patina {
 namespace {
@@ -14,30 +16,38 @@ std::uint16_t to_upper_half(float value) {
     return std::uint16_t((bits + 0x7fffu + ((bits >> 16) & 1u)) >> 16);
 }
 
+// A component of a unit vector.
+std::int16_t to_direction(float component) {
+    return std::int16_t(std::lround(LitTexels::kDirection * std::clamp(component, -1.0f, 1.0f)));
+}
+
 }  // namespace
 
 Rgb lamp_color(const Light& light) {
     return light.type == LightType::point ? light.intensity : light.irradiance;
 }
 
-LargeVector<LitLanes> texel_lanes(const TexelAtlas& atlas, const LampBlock& lamps) {
+LitTexels lit_texels(const TexelAtlas& atlas, const LampBlock& lamps) {
     PATINA_CHECK(lamps.size() <= kLampLanes);
-    LargeVector<LitLanes> lanes(atlas.texels.size());
-    parallel_for(lanes.size(), [&](std::size_t i) {
-        LitLanes& lit = lanes[i];
+    LitTexels lit;
+    lit.irradiance.resize(atlas.texels.size());
+    lit.mirror.resize(atlas.texels.size());
+    parallel_for(atlas.texels.size(), [&](std::size_t i) {
+        LitTexels::Mirror& mirror = lit.mirror[i];
         for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
             const DirectLight& direct = (*lamps.direct[lamp])[i];
             const double color = lamp_color(*lamps.lights[lamp]).maxCoeff();
             if (!(color > 0) || !(direct.irradiance > 0).any()) continue;
-            lit.irradiance[lamp] = float(double(direct.irradiance.maxCoeff()) / color);
-            lit.over_cosine[lamp] =
-                lit.irradiance[lamp] / std::max(direct.cos_i, float(kCosineFloor));
-            lit.x[lamp] = direct.w_i.x();
-            lit.y[lamp] = direct.w_i.y();
-            lit.z[lamp] = direct.w_i.z();
+            const auto irradiance = float(double(direct.irradiance.maxCoeff()) / color);
+            lit.irradiance[i][lamp] = irradiance;
+            mirror.over_cosine[lamp] =
+                to_upper_half(irradiance / std::max(direct.cos_i, float(kCosineFloor)));
+            mirror.x[lamp] = to_direction(direct.w_i.x());
+            mirror.y[lamp] = to_direction(direct.w_i.y());
+            mirror.z[lamp] = to_direction(direct.w_i.z());
         }
     });
-    return lanes;
+    return lit;
 }
 
 std::vector<CompactLanes> hit_lanes(const Surface& surface,

@@ -88,7 +88,7 @@ LampBlockLight::LampBlockLight(const Surface& surface,
       indirect_(atlas.texels.size()),
       radiosity_(atlas.texels.size()) {
     if (!turning_) {
-        texel_lanes_ = texel_lanes(atlas, lamps_);
+        lit_ = lit_texels(atlas, lamps_);
     } else if (keeps_hits_) {
         light_hits(graph);
     }
@@ -126,12 +126,14 @@ void LampBlockLight::add_lobe_of_lamps(const RadiantTexels::Material& material,
             lobe[l] = scale * from_upper_half(lit.over_cosine[l]) * exp_of_negative(exponent);
         }
     } else {
-        const LitLanes& lit = texel_lanes_[hit.to];
+        const LitTexels::Mirror& lit = lit_.mirror[hit.to];
+        // 1 - w . mirror(w_o) for the direction w to the lamp.
+        const Vec3f turned = (2 * cos_o * n + hit.w) / LitTexels::kDirection;
         for (std::size_t l = 0; l < kLampLanes; ++l) {
-            const float cos_i = n.x() * lit.x[l] + n.y() * lit.y[l] + n.z() * lit.z[l];
-            const float along = hit.w.x() * lit.x[l] + hit.w.y() * lit.y[l] + hit.w.z() * lit.z[l];
-            const float versine = std::max(0.0f, 1 - 2 * cos_i * cos_o - along);
-            lobe[l] = scale * lit.over_cosine[l] *
+            const float cosine = turned.x() * float(lit.x[l]) + turned.y() * float(lit.y[l]) +
+                                 turned.z() * float(lit.z[l]);
+            const float versine = std::max(0.0f, 1 - cosine);
+            lobe[l] = scale * from_upper_half(lit.over_cosine[l]) *
                       exp_of_negative(material.minus_half_precision * squared_angle(versine));
         }
     }
@@ -145,7 +147,7 @@ void LampBlockLight::expect(const RadiantTexels& texels,
     const TexelId texel = rows.hits[hit_index].to;
     prefetch(texels[texel]);
     prefetch(radiosity_[texel]);
-    if (!turning_) prefetch(texel_lanes_[texel]);
+    if (!turning_) prefetch(lit_.mirror[texel]);
 }
 
 LampBlockLight::Radiance LampBlockLight::radiance_of(
@@ -184,7 +186,7 @@ void LampBlockLight::sweep(const GatherGraph& graph,
             for (std::size_t l = 0; l < kLampLanes; ++l) {
                 radiosity_[i][c][l] = onward * indirect_[i][c][l];
             }
-            if (!turning_) add_scaled(diffuse, texel_lanes_[i].irradiance, radiosity_[i][c]);
+            if (!turning_) add_scaled(diffuse, lit_.irradiance[i], radiosity_[i][c]);
         }
     });
     std::array<IndirectLanes, 2> gathered;

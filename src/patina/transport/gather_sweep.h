@@ -103,7 +103,7 @@ class LampBlockLight {
     bool turning_;
     bool keeps_hits_;
     bool has_hits_ = false;
-    LargeVector<LitLanes> texel_lanes_;                  // standing lamps
+    LitTexels lit_;                                      // standing lamps
     std::vector<CompactLanes> irradiance_lanes_;         // turning lamps, per hit
     std::vector<std::vector<CompactLanes>> lobe_lanes_;  // the same, per camera view
     IndirectLanes indirect_;                             // of the last sweep
