@@ -7,7 +7,7 @@
 namespace patina {
 namespace {
 
-// u.A u or u.u and what is needed beside it, summed over the unknown texels.
+// Of the residual, summed over the unknown texels.
 struct Products {
     double residual_squared = 0;
     double residual_scaled = 0;  // residual . residual / diagonal

@@ -28,8 +28,8 @@ struct LinkSolverOptions {
 
 // link: one per entry of atlas.neighbors, the same in both directions. values: one per texel; those
 // of unknown texels are the start and become the solution, the others are set to 0. Returns the
-// steps taken. Eigen's conjugate gradients, on one thread, took twice as long on two cores and held
-// the matrix besides the links.
+// steps taken. Eigen's conjugate gradients do the same on one thread, with the matrix held besides
+// the links.
 int solve_links(const TexelAtlas& atlas,
                 std::span<const float> link,
                 const LinkEquation& equation,
