@@ -175,7 +175,7 @@ Result read_result(const fs::path& path) {
         result.lamp_factor = root["scale"]["factor"].number_above_zero();
     }
     if (root["noise_scale"].present()) {
-        result.noise.scale = root["noise_scale"].number_above_zero();
+        result.noise.scale = root["noise_scale"].number_not_below_zero();
         result.noise.own = square(result.noise.scale);
     }
     if (root["noise_own"].present() && root["noise_shared"].present()) {

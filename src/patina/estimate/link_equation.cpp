@@ -36,6 +36,11 @@ class Solver {
     int run(const LinkSolverOptions& options) {
         const double right_squared = ordered_reduce(
             size(), 0.0, [&](std::size_t row) { return square(equation_.right[row]); });
+        // Nothing drives it, so that no residual is small beside the right side: it is 0.
+        if (!(right_squared > 0)) {
+            for (const TexelId texel : equation_.unknown) values_[texel] = 0;
+            return 0;
+        }
         const double goal = square(options.tolerance) * right_squared;
         Products products = start();
         int steps = 0;
@@ -44,6 +49,7 @@ class Solver {
                 image_[row] = image_of(direction_, row);
                 return direction_[equation_.unknown[row]] * image_[row];
             });
+            if (!(curvature > 0)) return steps;  // the direction has shrunk to nothing
             const double before = products.residual_scaled;
             products = advance(before / curvature);
             turn(products.residual_scaled / before);

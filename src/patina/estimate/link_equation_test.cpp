@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include "support/scenes.h"
+#include <algorithm>
 #include <vector>
 
 namespace patina {
@@ -100,6 +101,18 @@ TEST(SolveLinks, GivesTheSameBytesForAnyNumberOfThreads) {
     }
     solve_links(plate.atlas, plate.link, plate.equation, {}, two);
     EXPECT_EQ(one, two);
+}
+
+TEST(SolveLinks, FindsZeroWhereNothingDrivesIt) {
+    Plate plate(kSide);
+    std::fill(plate.equation.right.begin(), plate.equation.right.end(), 0.0);
+    std::vector<double> values(plate.atlas.texels.size(), 3.0);
+    solve_links(plate.atlas, plate.link, plate.equation, {}, values);
+    EXPECT_EQ(values, std::vector<double>(values.size(), 0.0));
+    // So little that its square is 0.
+    std::fill(plate.equation.right.begin(), plate.equation.right.end(), 1e-200);
+    solve_links(plate.atlas, plate.link, plate.equation, {}, values);
+    for (const double value : values) EXPECT_NEAR(value, 0, 1e-150);
 }
 
 TEST(SolveLinks, StopsAtItsLimit) {

@@ -96,6 +96,7 @@ std::optional<double> left_out_misfit(std::span<const FitRow> rows,
         const std::vector<Rgb> of_others = without(std::span<const Rgb>(change), index);
         variance += square(left_out.response(change[std::size_t(index)], of_others));
     }
+    if (!(variance > 0)) return std::nullopt;  // looks without any noise
     const Rgb residual = deepest->radiance - predict(*deepest, refitted.reflectance);
     return square((deepest->weight.sqrt() * residual).mean()) / variance;
 }
