@@ -45,17 +45,16 @@ double ResidualMoments::own_variance() const {
 ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
                                    const Reflectance& fitted,
                                    KnownLobe known)
-    : rows_(rows), jacobians_(rows.size()) {
+    : rows_(rows), residuals_(rows.size()), jacobians_(rows.size()) {
     const int free = num_free(known);
-    Eigen::Matrix<double, kNumParameters, kNumParameters> information;
-    information.setZero();
-    decltype(information) shared = information;
+    Covariance information = Covariance::Zero();
+    Covariance shared = Covariance::Zero();
     for (std::size_t j = 0; j < rows.size(); ++j) {
         const FitRow& row = rows[j];
         const Rgb h = row.irradiance / kPi;
         const Rgb b = lobe_basis(row, fitted.roughness) / kPi;
         const Rgb d = fitted.specular * direct_lobe_basis_by_roughness(row, fitted.roughness) / kPi;
-        const Rgb residual = row.radiance - predict(row, fitted);
+        residuals_[j] = row.radiance - predict(row, fitted);
         Jacobian& jacobian = jacobians_[j];
         jacobian.setZero();
         Parameters sum = Parameters::Zero();
@@ -68,7 +67,7 @@ ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
             information += row.weight[c] * column * column.transpose();
             const double root = std::sqrt(row.weight[c]);
             sum += root * column;
-            z[c] = root * residual[c];
+            z[c] = root * residuals_[j][c];
         }
         shared += sum * sum.transpose();
         moments_.own += z.square().sum();
@@ -82,17 +81,43 @@ ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
         // Not free, or not told: the large information makes the response to it vanish.
         if (information(k, k) <= kNoInformation * largest) information(k, k) = 1e30;
     }
-    inverse_ = information.ldlt().solve(decltype(information)::Identity());
+    inverse_ = information.ldlt().solve(Covariance::Identity());
     own_variance_ = inverse_.diagonal().cwiseMax(0.0);
-    shared_variance_ = (inverse_ * shared * inverse_).diagonal().cwiseMax(0.0);
+    shared_covariance_ = inverse_ * shared * inverse_;
+    shared_variance_ = shared_covariance_.diagonal().cwiseMax(0.0);
+}
+
+Parameters ErrorPropagation::pull(std::span<const Rgb> radiance_change) const {
+    Parameters sum = Parameters::Zero();
+    for (std::size_t j = 0; j < rows_.size(); ++j) {
+        sum += jacobians_[j] * (rows_[j].weight * radiance_change[j]).matrix();
+    }
+    return sum;
 }
 
 Parameters ErrorPropagation::response(std::span<const Rgb> radiance_change) const {
-    Parameters pull = Parameters::Zero();
+    return inverse_ * pull(radiance_change);
+}
+
+// The fit takes off a part of every residual, z = (I - H) e with H = D' M D, D = J W^(1/2), M the
+// inverse of the information; so cov(z_k) is I - H_kk for independent e of variance 1, and
+// S - H_kk S - S H_kk + D_k' M (sum_j D_j S D_j') M D_k for e alike in the channels, S all ones.
+InfluenceMoments ErrorPropagation::influence() const {
+    const Eigen::Matrix3d identity = Eigen::Matrix3d::Identity();
+    const Eigen::Matrix3d ones = Eigen::Matrix3d::Ones();
+    InfluenceMoments moments;
     for (std::size_t j = 0; j < rows_.size(); ++j) {
-        pull += jacobians_[j] * (rows_[j].weight * radiance_change[j]).matrix();
+        const Eigen::Array3d root = rows_[j].weight.sqrt();
+        const Jacobian weighted = jacobians_[j] * root.matrix().asDiagonal();
+        const Jacobian gain = inverse_ * weighted;
+        const Eigen::Matrix3d hat = weighted.transpose() * gain;
+        const Eigen::Matrix3d shared =
+            ones - hat * ones - ones * hat + weighted.transpose() * shared_covariance_ * weighted;
+        moments.found += (gain * (root * residuals_[j]).matrix()).cwiseAbs2();
+        moments.by_own += (gain * (identity - hat) * gain.transpose()).diagonal();
+        moments.by_shared += (gain * shared * gain.transpose()).diagonal();
     }
-    return inverse_ * pull;
+    return moments;
 }
 
 }  // namespace patina

@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <span>
+#include <vector>
 
 namespace patina {
 
@@ -30,24 +31,41 @@ struct ResidualMoments {
     [[nodiscard]] double shared_variance() const;
 };
 
+// What the looks' residuals did to each parameter, g the change of the parameter per standardised
+// residual: the sum over looks of (g z)^2, channels of one look added first (the meat of a sandwich
+// covariance, clustered by look), and what it is in the mean when every z has variance 1.
+struct InfluenceMoments {
+    Parameters found = Parameters::Zero();
+    Parameters by_own = Parameters::Zero();     // z independent in all looks and channels
+    Parameters by_shared = Parameters::Zero();  // z alike in the channels of a look
+};
+
 class ErrorPropagation {
   public:
     // rows: with the weights of the fit.
     ErrorPropagation(std::span<const FitRow> rows, const Reflectance& fitted, KnownLobe known);
 
+    // J' W d for a change d of the observed radiance of every row.
+    [[nodiscard]] Parameters pull(std::span<const Rgb> radiance_change) const;
     // Change of the estimate when the observed radiance of every row changes by so much.
     [[nodiscard]] Parameters response(std::span<const Rgb> radiance_change) const;
+    // Observed less predicted radiance of every row [radiance].
+    [[nodiscard]] const std::vector<Rgb>& residuals() const { return residuals_; }
     // Variances of the estimate when every z has variance 1: independent in all looks and channels.
     [[nodiscard]] const Parameters& own_variance() const { return own_variance_; }
     // The same when the channels of a look err alike.
     [[nodiscard]] const Parameters& shared_variance() const { return shared_variance_; }
     [[nodiscard]] const ResidualMoments& moments() const { return moments_; }
+    [[nodiscard]] InfluenceMoments influence() const;
 
   private:
     using Jacobian = Eigen::Matrix<double, kNumParameters, 3>;  // a column per channel
+    using Covariance = Eigen::Matrix<double, kNumParameters, kNumParameters>;
     std::span<const FitRow> rows_;
+    std::vector<Rgb> residuals_;
     std::vector<Jacobian> jacobians_;
-    Eigen::Matrix<double, kNumParameters, kNumParameters> inverse_;  // of the information
+    Covariance inverse_;            // of the information
+    Covariance shared_covariance_;  // of the estimate, z alike in the channels of a look
     Parameters own_variance_ = Parameters::Zero();
     Parameters shared_variance_ = Parameters::Zero();
     ResidualMoments moments_;

@@ -7,6 +7,7 @@
 #include "patina/estimate/footprint_blur.h"
 #include "patina/estimate/lobe_misfit.h"
 #include "patina/estimate/lobe_spread.h"
+#include "patina/estimate/residual_variance.h"
 #include "patina/estimate/ring_sums.h"
 #include "patina/math/statistics.h"
 
@@ -22,10 +23,8 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What the engines' indirect light may be off by beyond its noise, relative: the lobe's even
 // spreading of indirect light, the texels' finite size, the smoothing (docs/uncertainty.md).
 constexpr double kIndirectError = 0.02;
-// The residuals' moments are taken over so many rings of neighbours, and count against those of the
-// whole surface as so many degrees of freedom.
+// The noise of the indirect light is taken over so many rings of neighbours.
 constexpr int kRings = 2;
-constexpr double kPriorFreedom = 10.0;
 // Errors of Ps are reckoned from the mean Ps over so many rings.
 constexpr int kLobeRings = 4;
 
@@ -40,15 +39,12 @@ Parameters parameters_of(const Reflectance& r) {
 
 // The parts of a texel's variance before they are put together.
 struct ErrorBudget {
-    Parameters own = Parameters::Zero();        // per variance of residuals that channels share not
-    Parameters shared = Parameters::Zero();     // and of those that they share
     Parameters stated = Parameters::Zero();     // stated errors, and the indirect light's bias
     Parameters transport = Parameters::Zero();  // the indirect light's noise
     Parameters blur = Parameters::Zero();       // pixels wider than a point
     // Of a filled lobe: change of Pd per change of ln(Ps sigma^2) and of ln sigma.
     Parameters by_albedo = Parameters::Zero();
     Parameters by_roughness = Parameters::Zero();
-    ResidualMoments moments;
 };
 
 // Mean of the measured Ps round every texel that measured one, over its own Ps. Errors of Ps are a
@@ -101,6 +97,7 @@ class Finisher {
           estimate_(estimate),
           specular_ratios_(mean_over_own_specular(capture.atlas, estimate.maps, fits)),
           budgets_(fits.size()),
+          evidence_(fits.size()),
           left_out_(fits.size()),
           footprints_(footprint_moments(capture, scene)) {}
 
@@ -115,7 +112,7 @@ class Finisher {
             for (std::size_t i = begin; i < end; ++i) look_at(i, rows);
         });
         smooth_transport();
-        find_scales();
+        find_noise();
         find_blur();
         find_lobe_misfit();
         parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
@@ -136,9 +133,7 @@ class Finisher {
             texel_measurability(rows, fitted, fits_[i], estimate_.noise_scale);
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
         ErrorBudget& budget = budgets_[i];
-        budget.own = propagation.own_variance();
-        budget.shared = propagation.shared_variance();
-        budget.moments = propagation.moments();
+        evidence_[i] = residual_evidence(propagation);
         std::vector<std::vector<Rgb>> changes;
         calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change) {
             budget.stated += propagation.response(change).cwiseAbs2();
@@ -240,34 +235,13 @@ class Finisher {
 
     // What differs from texel to texel at random.
     [[nodiscard]] Parameters random_variance(std::size_t i) const {
-        ResidualMoments moments = moments_[i];
-        moments += prior_;
-        return moments.own_variance() * budgets_[i].own +
-               moments.shared_variance() * budgets_[i].shared + budgets_[i].transport;
+        return residual_.variance[i] + budgets_[i].transport;
     }
 
-    void find_scales() {
-        std::vector<double> own;
-        std::vector<double> shared;
-        moments_.resize(budgets_.size());
-        for (std::size_t i = 0; i < budgets_.size(); ++i) {
-            moments_[i] = budgets_[i].moments;
-            if (moments_[i].freedom <= 0) moments_[i] = {};
-        }
-        sum_over_rings(atlas_, kRings, moments_);
-        for (const ResidualMoments& moments : moments_) {
-            if (moments.freedom <= 0) continue;
-            own.push_back(moments.own_variance());
-            shared.push_back(moments.shared_variance());
-        }
-        prior_.freedom = kPriorFreedom;
-        prior_.own = kPriorFreedom;
-        if (own.empty()) return;
-        const double typical_shared = median(std::move(shared));
-        prior_.own = kPriorFreedom * (median(std::move(own)) + typical_shared);
-        prior_.shared = 2 * kPriorFreedom * typical_shared;
-        estimate_.noise_own = prior_.own_variance();
-        estimate_.noise_shared = prior_.shared_variance();
+    void find_noise() {
+        residual_ = residual_variance(atlas_, evidence_);
+        estimate_.noise_own = residual_.own;
+        estimate_.noise_shared = residual_.shared;
     }
 
     void find_lobe_misfit() {
@@ -332,10 +306,10 @@ class Finisher {
     Estimate& estimate_;
     std::vector<double> specular_ratios_;  // see mean_over_own_specular()
     std::vector<ErrorBudget> budgets_;
+    std::vector<ResidualEvidence> evidence_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
     std::vector<double> footprints_;               // see footprint_moments()
-    std::vector<ResidualMoments> moments_;
-    ResidualMoments prior_;
+    ResidualVariance residual_;
 };
 
 }  // namespace
