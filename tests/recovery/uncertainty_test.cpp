@@ -3,12 +3,15 @@
 #include "patina/math/statistics.h"
 #include "patina/pipeline/estimate_capture.h"
 #include "patina/pipeline/truth_comparison.h"
+#include "patina/scan/calibration_error.h"
 
 #include <gtest/gtest.h>
 
 #include "simulated_capture.h"
+#include "support/comparison_level.h"
 #include "support/interval_coverage.h"
 #include <cmath>
+#include <string>
 #include <vector>
 
 namespace patina {
@@ -81,16 +84,69 @@ TEST(Uncertainty, LobesComeNearTheCramerRaoBound) {
     EXPECT_EQ(wide->num_measurable, bound->num_measurable);
 }
 
-TEST(Uncertainty, ReckonsWithStatedErrorsOfCalibration) {
+ScanOptions miscalibrated_scan() {
     ScanOptions options = small_scan();
     options.misregistration_pixels = 0.3;
     options.lamp_position_error_m = 0.002;
     options.normal_error_degrees = 0.5;
-    const SimulatedCapture simulated = simulate(options);
+    return options;
+}
+
+TEST(Uncertainty, ReckonsWithStatedErrorsOfCalibration) {
+    const SimulatedCapture simulated = simulate(miscalibrated_scan());
     const IntervalCoverage coverage =
         interval_coverage(simulated.capture(), simulated.truth(), simulated.estimate({}));
     for (const IntervalShares& shares : coverage.each()) {
         EXPECT_GE(shares.share95, 0.90) << shares.name;
+    }
+}
+
+// A cat, whose shading turns from texel to texel.
+std::vector<FoundError> found_errors(ScanOptions options) {
+    options.columns = 96;
+    const SimulatedCapture simulated(
+        ObjectKind::b, {25, 55, 9, 39, 6, 36, 5, 35, 14, 44, 29, 59, 10}, options);
+    return simulated.estimate({}).calibration;
+}
+
+// The last of so many numbers times the stated error, as the virtual scanner draws them.
+double drawn_error(const FoundError& error, CalibrationError kind, std::uint64_t element) {
+    Rng rng = calibration_rng(ScanOptions().seed, kind, element);
+    double number = 0;
+    for (int axis = 0; axis <= error.axis; ++axis) number = rng.normal();
+    return error.stated * number;
+}
+
+TEST(Uncertainty, FindsWhereLampsStand) {
+    ScanOptions options = small_scan();
+    options.lamp_position_error_m = 0.002;
+    const std::vector<FoundError> found = found_errors(options);
+    ASSERT_EQ(found.size(), std::size_t(3 * 13));
+    double before = 0;
+    double after = 0;
+    for (const FoundError& error : found) {
+        // "L25" is candidate 25.
+        const double truth =
+            drawn_error(error, CalibrationError::lamp, std::stoul(error.id.substr(1)));
+        before += square(truth);
+        after += square(truth - error.value);
+    }
+    // More than half of the variance is put right.
+    EXPECT_LT(after, 0.5 * before);
+}
+
+TEST(Uncertainty, FindsHowImagesAreShifted) {
+    ScanOptions options = small_scan();
+    options.misregistration_pixels = 0.3;
+    const std::vector<FoundError> found = found_errors(options);
+    ASSERT_EQ(found.size(), 2U);
+    for (const FoundError& error : found) {
+        // A plane over seven texels evens out light that turns faster.
+        constexpr double kEven = 0.25;
+        const double truth = drawn_error(error, CalibrationError::registration, 0);
+        EXPECT_NEAR(
+            error.value, truth, normal_threshold() * error.standard_error + kEven * std::abs(truth))
+            << "axis " << error.axis;
     }
 }
 

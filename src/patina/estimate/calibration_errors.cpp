@@ -1,5 +1,7 @@
 #include "patina/estimate/calibration_errors.h"
 
+#include <Eigen/LU>
+
 #include <algorithm>
 #include <array>
 #include <set>
@@ -7,6 +9,29 @@
 
 namespace patina {
 namespace {
+
+// Noise of the normals makes a gradient between next neighbours noise; with so many rings a plane
+// has 1/26 of its variance.
+constexpr int kGradientRings = 3;
+
+// Those within so many rings of a texel, itself included.
+std::vector<TexelId> texels_around(const TexelAtlas& atlas, TexelId texel, int rings) {
+    std::vector<TexelId> around = {texel};
+    std::size_t begin = 0;
+    for (int ring = 0; ring < rings; ++ring) {
+        const std::size_t end = around.size();
+        for (; begin < end; ++begin) {
+            for (std::uint32_t k = atlas.neighbor_begin[around[begin]];
+                 k < atlas.neighbor_begin[around[begin] + 1];
+                 ++k) {
+                if (std::find(around.begin(), around.end(), atlas.neighbors[k]) == around.end()) {
+                    around.push_back(atlas.neighbors[k]);
+                }
+            }
+        }
+    }
+    return around;
+}
 
 // The looks at one texel, and what each would show if something stood elsewhere.
 class Looks {
@@ -88,7 +113,62 @@ class Looks {
         return change_;
     }
 
+    // Row by row, how direct light under these maps changes per pixel along x and y of the image: a
+    // plane through the neighbours that the same camera sees under the same lamps. Zero where they
+    // do not span the image's plane.
+    [[nodiscard]] std::vector<std::array<Rgb, 2>> light_gradients() {
+        around_ = texels_around(capture_.atlas, TexelId(index_), kGradientRings);
+        std::vector<std::array<Rgb, 2>> gradients;
+        const std::span<const Observation> looks = observations_.of(index_);
+        for (std::size_t j = 0; j < rows_.size(); ++j) {
+            gradients.push_back(light_gradient(looks[j]));
+        }
+        return gradients;
+    }
+
   private:
+    [[nodiscard]] std::array<Rgb, 2> light_gradient(const Observation& look) const {
+        const std::vector<TexelView>& views = scene_.views[scene_.camera_of_shot[look.shot]];
+        // Sums over texels of (1, step)(1, step)' and of (1, step) radiance'.
+        Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+        Eigen::Matrix3d change = Eigen::Matrix3d::Zero();
+        for (const TexelId neighbor : around_) {
+            const std::optional<Rgb> there = direct_radiance_of(neighbor, look, views[neighbor]);
+            if (!there) continue;
+            Vec2 step = (views[neighbor].pixel - views[index_].pixel).cast<double>();
+            // Registered images of a full turn have no first column.
+            if (capture_.atlas.wraps_around) {
+                step.x() = std::remainder(step.x(), double(capture_.atlas.width));
+            }
+            const Vec3 one_and_step(1, step.x(), step.y());
+            spread += one_and_step * one_and_step.transpose();
+            change += one_and_step * there->matrix().transpose();
+        }
+        // Texels all in a row tell nothing of the other axis.
+        const Eigen::FullPivLU<Eigen::Matrix3d> plane(spread);
+        if (plane.rank() < 3) return {Rgb::Zero(), Rgb::Zero()};
+        const Eigen::Matrix3d solution = plane.solve(change);
+        return {Rgb(solution.row(1).transpose().array()), Rgb(solution.row(2).transpose().array())};
+    }
+
+    // Of a texel with this one's maps, in the same shot; nothing where it is hidden or a lamp of
+    // the look does not reach it.
+    [[nodiscard]] std::optional<Rgb> direct_radiance_of(std::size_t index,
+                                                        const Observation& look,
+                                                        const TexelView& view) const {
+        if (view.state != ViewState::clear) return std::nullopt;
+        const Texel& texel = capture_.atlas.texels[index];
+        Rgb sum = Rgb::Zero();
+        for (const std::size_t light : lamps(look).indices) {
+            if (!is_lit(light)) continue;
+            if (!(scene_.direct[light][index].irradiance.maxCoeff() > 0)) return std::nullopt;
+            const LightSample own = sample_light(
+                capture_.description.lights[light], texel.point.position, texel.azimuth);
+            sum += radiance(own, texel.point.normal, view.w_v.cast<double>().normalized());
+        }
+        return sum;
+    }
+
     template <typename Change>
     void for_rows(const Change& change) {
         const std::span<const Observation> looks = observations_.of(index_);
@@ -128,6 +208,7 @@ class Looks {
     std::span<const FitRow> rows_;
     const Reflectance& fitted_;
     std::set<std::size_t> lights_;
+    std::vector<TexelId> around_;
     std::vector<Rgb> change_;
 };
 
@@ -159,47 +240,112 @@ Light turned(const Light& light, std::size_t axis) {
 
 }  // namespace
 
+CalibrationErrors::CalibrationErrors(const Capture& capture,
+                                     const SceneView& scene,
+                                     const Observations& observations)
+    : capture_(capture), scene_(scene), observations_(observations) {
+    for (std::size_t index = 0; index < scene.direct.size(); ++index) {
+        if (scene.direct[index].empty()) continue;
+        const Light& light = capture.description.lights[index];
+        if (light.position_stddev > 0 && light.type == LightType::point) {
+            add_shared(SharedErrorKind::lamp_position, index, 3);
+        }
+        if (light.direction_stddev > 0 && light.direction) {
+            add_shared(SharedErrorKind::lamp_direction, index, 2);
+        }
+        if (light.intensity_stddev > 0) add_shared(SharedErrorKind::lamp_intensity, index, 1);
+    }
+    if (capture.description.geometry.registration_stddev > 0) {
+        for (std::size_t camera = 0; camera < scene.views.size(); ++camera) {
+            add_shared(SharedErrorKind::image_shift, camera, 2);
+        }
+    }
+}
+
+void CalibrationErrors::add_shared(SharedErrorKind kind, std::size_t index, int num_axes) {
+    for (int axis = 0; axis < num_axes; ++axis) shared_.push_back({kind, index, axis});
+}
+
+FoundError CalibrationErrors::found(const SharedError& error,
+                                    double value,
+                                    double standard_error) const {
+    FoundError found{error.kind, "", error.axis, 0, 0, 0};
+    const CaptureDescription& description = capture_.description;
+    if (error.kind == SharedErrorKind::image_shift) {
+        const auto shot =
+            std::find(scene_.camera_of_shot.begin(), scene_.camera_of_shot.end(), error.index);
+        const std::size_t used = scene_.shots[std::size_t(shot - scene_.camera_of_shot.begin())];
+        found.id = description.cameras[description.shots[used].camera].id;
+        found.stated = description.geometry.registration_stddev;
+    } else {
+        const Light& light = description.lights[error.index];
+        found.id = light.id;
+        found.stated = error.kind == SharedErrorKind::lamp_position    ? light.position_stddev
+                       : error.kind == SharedErrorKind::lamp_direction ? light.direction_stddev
+                                                                       : light.intensity_stddev;
+    }
+    found.value = found.stated * value;
+    found.standard_error = found.stated * standard_error;
+    return found;
+}
+
 void CalibrationErrors::visit(std::size_t texel,
                               std::span<const FitRow> rows,
                               const Reflectance& fitted,
-                              const std::function<void(std::span<const Rgb>)>& visit) const {
+                              const Visit& visit) const {
     Looks looks(capture_, scene_, observations_, texel, rows, fitted);
-    for (const std::size_t index : looks.lights()) {
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        const auto& [kind, index, axis] = shared_[k];
+        if (kind == SharedErrorKind::image_shift) {
+            visit(looks.with_shift(
+                      index, std::size_t(axis), capture_.description.geometry.registration_stddev),
+                  k);
+            continue;
+        }
+        if (!looks.lights().contains(index)) continue;
         const Light& light = capture_.description.lights[index];
-        if (light.position_stddev > 0 && light.type == LightType::point) {
-            for (int axis = 0; axis < 3; ++axis) {
-                Light moved = light;
-                moved.position[axis] += light.position_stddev;
-                visit(looks.with_lamp(index, moved));
-            }
-        }
-        if (light.direction_stddev > 0 && light.direction) {
-            for (const std::size_t axis : {0, 1}) {
-                visit(looks.with_lamp(index, turned(light, axis)));
-            }
-        }
-        if (light.intensity_stddev > 0) {
-            visit(looks.with_intensity(index, light.intensity_stddev));
+        if (kind == SharedErrorKind::lamp_position) {
+            Light moved = light;
+            moved.position[axis] += light.position_stddev;
+            visit(looks.with_lamp(index, moved), k);
+        } else if (kind == SharedErrorKind::lamp_direction) {
+            visit(looks.with_lamp(index, turned(light, std::size_t(axis))), k);
+        } else {
+            visit(looks.with_intensity(index, light.intensity_stddev), k);
         }
     }
-    const GeometrySource& geometry = capture_.description.geometry;
     const Vec3& normal = capture_.atlas.texels[texel].point.normal;
     const Vec3 remainder = normal_remainder(capture_.atlas, texel);
-    if (remainder != Vec3::Zero()) visit(looks.with_normal((normal + remainder).normalized()));
-    if (geometry.normal_stddev > 0) {
-        const Vec3 first = normal.unitOrthogonal();
-        for (const Vec3& axis : {first, Vec3(normal.cross(first))}) {
-            const Vec3 tilted = (normal + std::tan(geometry.normal_stddev) * axis).normalized();
-            visit(looks.with_normal(tilted));
+    if (remainder != Vec3::Zero()) {
+        visit(looks.with_normal((normal + remainder).normalized()), std::nullopt);
+    }
+    const double tilt = capture_.description.geometry.normal_stddev;
+    if (tilt <= 0) return;
+    const Vec3 first = normal.unitOrthogonal();
+    for (const Vec3& axis : {first, Vec3(normal.cross(first))}) {
+        visit(looks.with_normal((normal + std::tan(tilt) * axis).normalized()), std::nullopt);
+    }
+}
+
+std::vector<SharedChange> CalibrationErrors::light_shifts(std::size_t texel,
+                                                          std::span<const FitRow> rows,
+                                                          const Reflectance& fitted) const {
+    std::vector<SharedChange> changes;
+    const double pixels = capture_.description.geometry.registration_stddev;
+    if (!(pixels > 0)) return changes;
+    Looks looks(capture_, scene_, observations_, texel, rows, fitted);
+    const std::vector<std::array<Rgb, 2>> gradients = looks.light_gradients();
+    const std::span<const Observation> observed = observations_.of(texel);
+    for (std::size_t k = 0; k < shared_.size(); ++k) {
+        if (shared_[k].kind != SharedErrorKind::image_shift) continue;
+        SharedChange& change = changes.emplace_back();
+        change = {k, std::vector<Rgb>(rows.size(), Rgb::Zero())};
+        for (std::size_t j = 0; j < rows.size(); ++j) {
+            if (scene_.camera_of_shot[observed[j].shot] != shared_[k].index) continue;
+            change.radiance[j] = pixels * gradients[j][std::size_t(shared_[k].axis)];
         }
     }
-    if (geometry.registration_stddev > 0) {
-        for (std::size_t camera = 0; camera < scene_.views.size(); ++camera) {
-            for (const std::size_t axis : {0, 1}) {
-                visit(looks.with_shift(camera, axis, geometry.registration_stddev));
-            }
-        }
-    }
+    return changes;
 }
 
 }  // namespace patina

@@ -8,6 +8,7 @@
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
 #include "patina/capture/result_folder.h"
+#include "patina/estimate/calibration_errors.h"
 #include "patina/estimate/measurability.h"
 #include "patina/estimate/observations.h"
 #include "patina/estimate/scale_profile.h"
@@ -83,6 +84,7 @@ struct Estimate {
     double noise_own = 1;
     double noise_shared = 0;
     double lobe_misfit = 1;  // factor of the errors of Ps and sigma, lobe_misfit_factor() [-]
+    std::vector<FoundError> calibration;  // errors that the capture states and all texels share
     // Where the capture does not know the strength of its lamps. The maps are those under the lamps
     // as stated times its factor.
     std::optional<ScaleEstimate> scale;

@@ -7,8 +7,10 @@
 #include "patina/estimate/footprint_blur.h"
 #include "patina/estimate/lobe_misfit.h"
 #include "patina/estimate/lobe_spread.h"
+#include "patina/estimate/mean_specular.h"
 #include "patina/estimate/residual_variance.h"
 #include "patina/estimate/ring_sums.h"
+#include "patina/estimate/self_calibration.h"
 #include "patina/math/statistics.h"
 
 #include <algorithm>
@@ -25,8 +27,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kIndirectError = 0.02;
 // The noise of the indirect light is taken over so many rings of neighbours.
 constexpr int kRings = 2;
-// Errors of Ps are reckoned from the mean Ps over so many rings.
-constexpr int kLobeRings = 4;
 
 KnownLobe known_lobe(const TexelFit& fit) {
     if (fit.roughness_measured) return KnownLobe::all;
@@ -47,36 +47,6 @@ struct ErrorBudget {
     Parameters by_roughness = Parameters::Zero();
 };
 
-// Mean of the measured Ps round every texel that measured one, over its own Ps. Errors of Ps are a
-// share of Ps: reckoned from one that came out too low by chance they are too small, and too large
-// from one that came out too high.
-std::vector<double> mean_over_own_specular(const TexelAtlas& atlas,
-                                           std::span<const Reflectance> maps,
-                                           std::span<const TexelFit> fits) {
-    struct Sum {
-        double specular = 0;
-        double count = 0;
-        Sum& operator+=(const Sum& other) {
-            specular += other.specular;
-            count += other.count;
-            return *this;
-        }
-    };
-    const auto counts = [&](std::size_t i) {
-        return fits[i].observed && fits[i].roughness_measured && maps[i].specular > 0;
-    };
-    std::vector<Sum> sums(maps.size());
-    for (std::size_t i = 0; i < sums.size(); ++i) {
-        if (counts(i)) sums[i] = {maps[i].specular, 1.0};
-    }
-    sum_over_rings(atlas, kLobeRings, sums);
-    std::vector<double> ratios(maps.size(), 1.0);
-    for (std::size_t i = 0; i < ratios.size(); ++i) {
-        if (counts(i)) ratios[i] = sums[i].specular / sums[i].count / maps[i].specular;
-    }
-    return ratios;
-}
-
 class Finisher {
   public:
     Finisher(const Capture& capture,
@@ -91,11 +61,11 @@ class Finisher {
           observations_(observations),
           rows_(scene, observations),
           calibration_(capture, scene, observations),
+          self_calibration_(calibration_.shared().size()),
           light_(light),
           fits_(fits),
           robust_(robust),
           estimate_(estimate),
-          specular_ratios_(mean_over_own_specular(capture.atlas, estimate.maps, fits)),
           budgets_(fits.size()),
           evidence_(fits.size()),
           left_out_(fits.size()),
@@ -107,25 +77,44 @@ class Finisher {
         estimate_.status.assign(num_texels, TexelStatus::filled);
         estimate_.measurability.resize(num_texels);
         estimate_.indirect_over_direct.assign(num_texels, 0.0f);
-        parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
-            std::vector<FitRow> rows;
-            for (std::size_t i = begin; i < end; ++i) look_at(i, rows);
-        });
+        look_at_all();
+        add_shared_errors();
         smooth_transport();
         find_noise();
         find_blur();
         find_lobe_misfit();
+        specular_ratios_ = mean_over_own_specular(atlas_, estimate_.maps, fits_);
         parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
         add_fill_errors();
     }
 
   private:
-    void look_at(std::size_t i, std::vector<FitRow>& rows) {
+    // Patch by patch, as their sums ask for.
+    void look_at_all() {
+        std::vector<std::vector<std::size_t>> patches(SelfCalibration::kNumPatches);
+        for (std::size_t i = 0; i < fits_.size(); ++i) {
+            patches[SelfCalibration::patch_of(atlas_, i)].push_back(i);
+        }
+        parallel_for(
+            patches.size(),
+            [&](std::size_t patch) {
+                std::vector<FitRow> rows;
+                for (const std::size_t i : patches[patch]) look_at(i, patch, rows);
+            },
+            1);
+    }
+
+    // With the weights of the fit.
+    void make_rows(std::size_t i, std::vector<FitRow>& rows) const {
         rows_.make(i, light_, estimate_.maps[i], rows);
-        if (rows.empty()) return;
         for (std::size_t k = 0; k < rows.size() && !robust_.empty(); ++k) {
             rows[k].weight *= double(robust_[observations_.begin[i] + k]);
         }
+    }
+
+    void look_at(std::size_t i, std::size_t patch, std::vector<FitRow>& rows) {
+        make_rows(i, rows);
+        if (rows.empty()) return;
         estimate_.status[i] =
             fits_[i].specular_measured ? TexelStatus::measured : TexelStatus::diffuse_measured;
         const Reflectance& fitted = estimate_.maps[i];
@@ -135,16 +124,79 @@ class Finisher {
         ErrorBudget& budget = budgets_[i];
         evidence_[i] = residual_evidence(propagation);
         std::vector<std::vector<Rgb>> changes;
-        calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change) {
-            budget.stated += propagation.response(change).cwiseAbs2();
+        std::vector<SharedChange> shared = calibration_.light_shifts(i, rows, fitted);
+        calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change, auto shared_error) {
+            if (!shared_error) {
+                budget.stated += propagation.response(change).cwiseAbs2();
+            } else if (!is_shift(*shared_error)) {
+                shared.push_back({*shared_error, {change.begin(), change.end()}});
+            }
             if (fits_[i].roughness_measured) changes.emplace_back(change.begin(), change.end());
         });
+        self_calibration_.add(patch, rows, propagation, shared);
         if (fits_[i].roughness_measured) {
             left_out_[i] =
                 left_out_misfit(rows, fitted, changes, estimate_.noise_scale, FitOptions());
         }
         add_indirect(i, rows, propagation);
         if (known_lobe(fits_[i]) == KnownLobe::none) add_filled_lobe(i, rows, propagation);
+    }
+
+    [[nodiscard]] bool is_shift(std::size_t shared_error) const {
+        return calibration_.shared()[shared_error].kind == SharedErrorKind::image_shift;
+    }
+
+    // What the residuals tell of errors that all texels share: lamps are put right in the maps; a
+    // shift of the images is not, as maps and images would no longer lie on each other, but counts
+    // as it was found.
+    void add_shared_errors() {
+        const std::vector<SharedError>& all = calibration_.shared();
+        if (all.empty()) return;
+        // Without indirect light, residuals tell of that.
+        const SharedErrors found = light_.irradiance.empty() ? SelfCalibration(all.size()).solve()
+                                                             : self_calibration_.solve();
+        for (std::size_t k = 0; k < all.size(); ++k) {
+            const auto i = Eigen::Index(k);
+            estimate_.calibration.push_back(
+                calibration_.found(all[k], found.value[i], std::sqrt(found.covariance(i, i))));
+        }
+        parallel_blocks(fits_.size(), kParallelBlock, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) {
+                make_rows(i, rows);
+                if (!rows.empty()) add_shared_errors(i, rows, found);
+            }
+        });
+    }
+
+    void add_shared_errors(std::size_t i,
+                           const std::vector<FitRow>& rows,
+                           const SharedErrors& found) {
+        const Reflectance& fitted = estimate_.maps[i];
+        const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
+        std::vector<Eigen::Index> touched;
+        std::vector<Parameters> responses;
+        Parameters by_lamps = Parameters::Zero();
+        Parameters by_shift = Parameters::Zero();
+        calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change, auto shared_error) {
+            if (!shared_error) return;
+            const auto k = Eigen::Index(*shared_error);
+            touched.push_back(k);
+            responses.push_back(propagation.response(change));
+            (is_shift(*shared_error) ? by_shift : by_lamps) += found.value[k] * responses.back();
+        });
+        Parameters& stated = budgets_[i].stated;
+        stated += by_shift.cwiseAbs2();
+        for (std::size_t a = 0; a < touched.size(); ++a) {
+            for (std::size_t b = 0; b < touched.size(); ++b) {
+                stated += found.covariance(touched[a], touched[b]) *
+                          responses[a].cwiseProduct(responses[b]);
+            }
+        }
+        estimate_.maps[i] = project_to_feasible({fitted.diffuse - by_lamps.head<3>().array(),
+                                                 fitted.specular - by_lamps[3],
+                                                 fitted.roughness - by_lamps[4]})
+                                .reflectance;
     }
 
     // What the fit of Pd takes off for the lobe, if that is brighter or wider than it was filled.
@@ -300,6 +352,7 @@ class Finisher {
     const Observations& observations_;
     FitRowMaker rows_;
     CalibrationErrors calibration_;
+    SelfCalibration self_calibration_;
     const IndirectLight& light_;
     std::span<const TexelFit> fits_;
     std::span<const float> robust_;

@@ -74,10 +74,9 @@ TEST(ResidualVariance, HoldsWhereNoiseIsAsStated) {
     }
 }
 
-// Ps and sigma follow the looks in the lobe: where those are quieter or noisier than the others,
-// their errors are. The correction for what the fit took off is exact only for equal noise, and
-// leaves up to a tenth where it differs by two; with one variance for all looks it would be a
-// third or more.
+// Each parameter follows other looks than the rest. The correction for what the fit took off its
+// residuals is exact only for equal noise, and leaves up to a tenth where it differs by two; with
+// one variance for all looks Pd is off by a quarter here.
 TEST(ResidualVariance, FollowsTheLooksThatDecide) {
     constexpr double kUnequal = 0.1;
     for (const double lobe_noise : {0.5, 2.0}) {

@@ -10,6 +10,10 @@
 
 #include <array>
 #include <cmath>
+#include <map>
+#include <span>
+#include <string>
+#include <vector>
 
 namespace patina {
 namespace {
@@ -154,6 +158,69 @@ Json shared_lobe_json(const SharedLobe& lobe) {
     return json;
 }
 
+const char* error_name(SharedErrorKind kind) {
+    switch (kind) {
+        case SharedErrorKind::lamp_position:
+            return "lamp position";
+        case SharedErrorKind::lamp_direction:
+            return "lamp direction";
+        case SharedErrorKind::lamp_intensity:
+            return "lamp intensity";
+        case SharedErrorKind::image_shift:
+            return "image shift";
+    }
+    return "";
+}
+
+Json calibration_json(std::span<const FoundError> errors) {
+    Json list = Json::list();
+    for (const FoundError& error : errors) {
+        Json entry = Json::object();
+        entry.set("error", Json(error_name(error.kind)));
+        entry.set("id", Json(error.id));
+        entry.set("axis", Json(std::int64_t(error.axis)));
+        entry.set("stated", Json(error.stated));
+        entry.set("value", Json(error.value));
+        entry.set("standard_error", Json(error.standard_error));
+        list.push(std::move(entry));
+    }
+    return list;
+}
+
+// Lamps: the root mean square over the lamps of what was found, and of what is still unknown, in
+// stated standard deviations. Images: every shift.
+void add_calibration_rows(const Json& calibration, TextTable& table) {
+    double found = 0;
+    double unknown = 0;
+    double num_lamps = 0;
+    std::map<std::string, std::vector<const Json*>> shifts;
+    for (const Json& entry : calibration.items) {
+        if (entry.find("error")->text == error_name(SharedErrorKind::image_shift)) {
+            shifts[entry.find("id")->text].push_back(&entry);
+            continue;
+        }
+        const double stated = entry.find("stated")->number;
+        found += square(entry.find("value")->number / stated);
+        unknown += square(entry.find("standard_error")->number / stated);
+        num_lamps += 1;
+    }
+    if (num_lamps > 0) {
+        table.add({"lamps put right by",
+                   fmt::format("{:.2g} of their stated errors, known to {:.2g}",
+                               std::sqrt(found / num_lamps),
+                               std::sqrt(unknown / num_lamps))});
+    }
+    for (const auto& [camera, axes] : shifts) {
+        table.add({"images of " + camera,
+                   fmt::format("lie on the geometry when moved by {:.2f}, {:.2f} pixels "
+                               "(+- {:.2f}, {:.2f})",
+                               axes[0]->find("value")->number,
+                               axes[1]->find("value")->number,
+                               axes[0]->find("standard_error")->number,
+                               axes[1]->find("standard_error")->number)});
+    }
+}
+
 std::string scale_words(const Json& scale) {
     if (!scale.find("told")->boolean) return "not told: " + scale.find("reason")->text;
     return fmt::format("lamps {:.4g} times as strong as stated, standard error {:.1f} %",
@@ -188,6 +255,9 @@ Json make_json(const Capture& capture, const EstimateOptions& options, const Est
     json.set("noise_own", Json(estimate.noise_own));
     json.set("noise_shared", Json(estimate.noise_shared));
     json.set("lobe_misfit", Json(estimate.lobe_misfit));
+    if (!estimate.calibration.empty()) {
+        json.set("calibration", calibration_json(estimate.calibration));
+    }
     if (estimate.scale) json.set("scale", scale_json(*estimate.scale));
     if (estimate.shared_lobe) {
         json.set("shared_lobe", shared_lobe_json(*estimate.shared_lobe));
@@ -252,6 +322,9 @@ std::string estimate_text(const Json& result) {
     }
     if (const Json* const scale = result.find("scale")) {
         table.add({"absolute scale", scale_words(*scale)});
+    }
+    if (const Json* const calibration = result.find("calibration")) {
+        add_calibration_rows(*calibration, table);
     }
     if (const double misfit = result.find("lobe_misfit")->number; misfit > 1) {
         table.add({"lobes of another shape",
