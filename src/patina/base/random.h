@@ -61,17 +61,28 @@ class Rng {
                                                Pass pass,
                                                std::uint64_t element);
 
-// Pair number `pair` (1, 2, ...) of a SobolSampler, as multiples of 2^-32. Without branches, so
-// that a loop over samples runs in SIMD lanes.
-[[nodiscard]] inline std::array<std::uint32_t, 2> sobol_pair(std::uint32_t element_hash,
-                                                             std::uint32_t sample_index,
-                                                             std::uint32_t pair) {
+// What scrambles one pair of dimensions of one element.
+struct SobolScramble {
+    std::uint32_t order = 0;  // of the samples
+    std::uint32_t first = 0;
+    std::uint32_t second = 0;
+};
+
+// pair: 1, 2, ...
+[[nodiscard]] inline SobolScramble sobol_scramble(std::uint32_t element_hash, std::uint32_t pair) {
+    const std::uint32_t pair_hash = hash_combine(element_hash, pair);
+    return {pair_hash, hash_combine(pair_hash, 1), hash_combine(pair_hash, 2)};
+}
+
+// A pair of a SobolSampler, as multiples of 2^-32. Without branches, so that a loop over samples
+// runs in SIMD lanes.
+[[nodiscard]] inline std::array<std::uint32_t, 2> sobol_pair(const SobolScramble& scramble,
+                                                             std::uint32_t sample_index) {
     const auto reverse_bits = [](std::uint32_t x) {
-        x = (x << 16) | (x >> 16);
-        x = ((x & 0x00ff00ffu) << 8) | ((x & 0xff00ff00u) >> 8);
-        x = ((x & 0x0f0f0f0fu) << 4) | ((x & 0xf0f0f0f0u) >> 4);
-        x = ((x & 0x33333333u) << 2) | ((x & 0xccccccccu) >> 2);
-        return ((x & 0x55555555u) << 1) | ((x & 0xaaaaaaaau) >> 1);
+        x = __builtin_bswap32(x);
+        x = ((x & 0x0f0f0f0fu) << 4) | ((x >> 4) & 0x0f0f0f0fu);
+        x = ((x & 0x33333333u) << 2) | ((x >> 2) & 0x33333333u);
+        return ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);
     };
     // Laine-Karras style hash on reversed bits: each bit is flipped by a function of the lower ones
     // only.
@@ -82,9 +93,9 @@ class Rng {
         x ^= x * 0xc7afe638u;
         return x ^ (x * 0x8d22f6e6u);
     };
-    const std::uint32_t pair_hash = hash_combine(element_hash, pair);
     // Shuffling the order keeps the pairs of dimensions independent of each other.
-    const std::uint32_t index = reverse_bits(laine_karras(reverse_bits(sample_index), pair_hash));
+    const std::uint32_t index =
+        reverse_bits(laine_karras(reverse_bits(sample_index), scramble.order));
     // Second Sobol dimension (primitive polynomial x + 1), reversed: bit j is the sum of the
     // index's bits k over odd binomials (k over j), those where k has all the bits of j.
     std::uint32_t second = index;
@@ -93,8 +104,8 @@ class Rng {
     second ^= (second >> 4) & 0x0f0f0f0fu;
     second ^= (second >> 8) & 0x00ff00ffu;
     second ^= second >> 16;
-    return {reverse_bits(laine_karras(index, hash_combine(pair_hash, 1))),
-            reverse_bits(laine_karras(second, hash_combine(pair_hash, 2)))};
+    return {reverse_bits(laine_karras(index, scramble.first)),
+            reverse_bits(laine_karras(second, scramble.second))};
 }
 
 // Pairs of Owen-scrambled Sobol numbers for one element: sample `sample_index` of a (0,2)-sequence

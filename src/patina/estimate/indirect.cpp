@@ -67,11 +67,10 @@ void PhotonEngine::trace(std::span<const Reflectance> guide) {
     photons.keep_positions = options_.irradiance == Irradiance::disc;
     std::vector<double> arrivals(atlas_.texels.size(), 0.0);
     std::uint64_t rays = 0;
+    const PhotonScene photon_scene(surface_, atlas_, guide);
     for (std::size_t set = 0; set < scene_.lamp_sets.size(); ++set) {
-        paths_.push_back(trace_photons(surface_,
-                                       atlas_,
+        paths_.push_back(trace_photons(photon_scene,
                                        scene_.lamp_sets[set],
-                                       guide,
                                        photons,
                                        static_cast<std::uint32_t>(set),
                                        progress_));

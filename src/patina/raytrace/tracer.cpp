@@ -48,8 +48,10 @@ class Tracer::Backend {
                                                           const Vec3& direction,
                                                           double min_distance,
                                                           double max_distance) const = 0;
-    virtual void intersect_all(std::span<const TraceRay> rays,
-                               std::span<TriangleHit> hits) const = 0;
+    virtual void intersect_lanes(const RayLanes& rays, const HitLanes& hits) const = 0;
+    virtual void lit_lanes(const RayLanes& rays,
+                           std::span<const float> max_distance,
+                           std::span<std::int32_t> lit) const = 0;
     [[nodiscard]] virtual bool occluded(const Vec3& origin,
                                         const Vec3& direction,
                                         double max_distance) const = 0;
@@ -58,6 +60,40 @@ class Tracer::Backend {
 namespace {
 
 static_assert(RTC_INVALID_GEOMETRY_ID == kNoTriangle);
+
+// Rays that Embree takes at once.
+constexpr std::size_t kPacketSize = 8;
+struct alignas(32) PacketMask {
+    std::array<int, kPacketSize> lanes{};
+};
+
+// count <= kPacketSize lanes; a whole packet by one instruction.
+template <typename Value>
+void copy_lanes(const Value* from, std::size_t count, Value* to) {
+    if (count == kPacketSize) {
+        std::memcpy(to, from, kPacketSize * sizeof(Value));
+    } else {
+        std::copy_n(from, count, to);
+    }
+}
+
+// Lanes from begin on, count of them, except for the far ends. The others are switched off.
+PacketMask load_packet(const RayLanes& rays,
+                       std::size_t begin,
+                       std::size_t count,
+                       RTCRay8& packet) {
+    PacketMask active;
+    copy_lanes(&rays.active[begin], count, active.lanes.data());
+    copy_lanes(&rays.origin[0][begin], count, packet.org_x);
+    copy_lanes(&rays.origin[1][begin], count, packet.org_y);
+    copy_lanes(&rays.origin[2][begin], count, packet.org_z);
+    copy_lanes(&rays.direction[0][begin], count, packet.dir_x);
+    copy_lanes(&rays.direction[1][begin], count, packet.dir_y);
+    copy_lanes(&rays.direction[2][begin], count, packet.dir_z);
+    std::ranges::fill(packet.tnear, 0.0f);
+    std::ranges::fill(packet.mask, ~0u);
+    return active;
+}
 
 class EmbreeBackend final : public Tracer::Backend {
   public:
@@ -110,25 +146,38 @@ class EmbreeBackend final : public Tracer::Backend {
         return RayHit{ray_hit.ray.tfar, ray_hit.hit.primID, Vec2f(ray_hit.hit.u, ray_hit.hit.v)};
     }
 
-    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const override {
+    void intersect_lanes(const RayLanes& rays, const HitLanes& hits) const override {
         RTCIntersectContext context;
         rtcInitIntersectContext(&context);
-        RTCRayHit ray_hit{};
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            RTCRay& ray = ray_hit.ray;
-            ray.org_x = rays[i].origin.x();
-            ray.org_y = rays[i].origin.y();
-            ray.org_z = rays[i].origin.z();
-            ray.dir_x = rays[i].direction.x();
-            ray.dir_y = rays[i].direction.y();
-            ray.dir_z = rays[i].direction.z();
-            ray.tnear = 0;
-            ray.tfar = std::numeric_limits<float>::infinity();
-            ray.mask = ~0u;
-            ray_hit.hit.geomID = RTC_INVALID_GEOMETRY_ID;
-            ray_hit.hit.primID = RTC_INVALID_GEOMETRY_ID;
-            rtcIntersect1(scene_, &context, &ray_hit);
-            hits[i] = {ray_hit.hit.primID, ray_hit.hit.u, ray_hit.hit.v};
+        RTCRayHit8 packet{};
+        for (std::size_t begin = 0; begin < rays.active.size(); begin += kPacketSize) {
+            const std::size_t count = std::min(kPacketSize, rays.active.size() - begin);
+            const PacketMask active = load_packet(rays, begin, count, packet.ray);
+            std::ranges::fill(packet.ray.tfar, std::numeric_limits<float>::infinity());
+            std::ranges::fill(packet.hit.geomID, RTC_INVALID_GEOMETRY_ID);
+            std::ranges::fill(packet.hit.primID, RTC_INVALID_GEOMETRY_ID);
+            rtcIntersect8(active.lanes.data(), scene_, &context, &packet);
+            copy_lanes(packet.hit.primID, count, &hits.triangle[begin]);
+            copy_lanes(packet.hit.u, count, &hits.u[begin]);
+            copy_lanes(packet.hit.v, count, &hits.v[begin]);
+        }
+    }
+
+    void lit_lanes(const RayLanes& rays,
+                   std::span<const float> max_distance,
+                   std::span<std::int32_t> lit) const override {
+        RTCIntersectContext context;
+        rtcInitIntersectContext(&context);
+        RTCRay8 packet{};
+        for (std::size_t begin = 0; begin < rays.active.size(); begin += kPacketSize) {
+            const std::size_t count = std::min(kPacketSize, rays.active.size() - begin);
+            const PacketMask active = load_packet(rays, begin, count, packet);
+            copy_lanes(&max_distance[begin], count, packet.tfar);
+            rtcOccluded8(active.lanes.data(), scene_, &context, &packet);
+            // Embree sets the far end of a ray that meets something to minus infinity.
+            for (std::size_t i = 0; i < count; ++i) {
+                lit[begin + i] = packet.tfar[i] < 0 ? 0 : active.lanes[i];
+            }
         }
     }
 
@@ -184,14 +233,25 @@ class BruteForceBackend final : public Tracer::Backend {
         return nearest;
     }
 
-    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const override {
-        for (std::size_t i = 0; i < rays.size(); ++i) {
-            const auto hit = intersect(rays[i].origin.cast<double>(),
-                                       rays[i].direction.cast<double>(),
-                                       0,
-                                       std::numeric_limits<double>::infinity());
-            hits[i] = hit ? TriangleHit{hit->triangle, hit->barycentric.x(), hit->barycentric.y()}
-                          : TriangleHit{};
+    void intersect_lanes(const RayLanes& rays, const HitLanes& hits) const override {
+        for (std::size_t i = 0; i < rays.active.size(); ++i) {
+            const auto hit = rays.active[i] != 0
+                                 ? intersect(lane(rays.origin, i), lane(rays.direction, i), 0, kFar)
+                                 : std::nullopt;
+            hits.triangle[i] = hit ? hit->triangle : kNoTriangle;
+            hits.u[i] = hit ? hit->barycentric.x() : 0;
+            hits.v[i] = hit ? hit->barycentric.y() : 0;
+        }
+    }
+
+    void lit_lanes(const RayLanes& rays,
+                   std::span<const float> max_distance,
+                   std::span<std::int32_t> lit) const override {
+        for (std::size_t i = 0; i < rays.active.size(); ++i) {
+            const bool is_lit =
+                rays.active[i] != 0 &&
+                !occluded(lane(rays.origin, i), lane(rays.direction, i), double(max_distance[i]));
+            lit[i] = is_lit ? -1 : 0;
         }
     }
 
@@ -202,6 +262,11 @@ class BruteForceBackend final : public Tracer::Backend {
     }
 
   private:
+    static constexpr double kFar = std::numeric_limits<double>::infinity();
+    static Vec3 lane(const std::array<std::span<const float>, 3>& lanes, std::size_t i) {
+        return Vec3f(lanes[0][i], lanes[1][i], lanes[2][i]).cast<double>();
+    }
+
     std::vector<std::array<Vec3, 3>> corners_;
 };
 
@@ -229,9 +294,16 @@ std::optional<RayHit> Tracer::intersect(const Vec3& origin,
     return backend_->intersect(origin, direction, min_distance, max_distance);
 }
 
-void Tracer::intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const {
-    PATINA_CHECK_EQ(rays.size(), hits.size());
-    backend_->intersect_all(rays, hits);
+void Tracer::intersect_lanes(const RayLanes& rays, const HitLanes& hits) const {
+    PATINA_CHECK_EQ(rays.active.size(), hits.triangle.size());
+    backend_->intersect_lanes(rays, hits);
+}
+
+void Tracer::lit_lanes(const RayLanes& rays,
+                       std::span<const float> max_distance,
+                       std::span<std::int32_t> lit) const {
+    PATINA_CHECK_EQ(rays.active.size(), lit.size());
+    backend_->lit_lanes(rays, max_distance, lit);
 }
 
 bool Tracer::occluded(const Vec3& origin, const Vec3& direction, double max_distance) const {

@@ -3,6 +3,7 @@
 
 #include "patina/scene/mesh.h"
 
+#include <array>
 #include <cstdint>
 #include <limits>
 #include <memory>
@@ -17,16 +18,17 @@ struct RayHit {
     Vec2f barycentric = Vec2f::Zero();
 };
 
-// For many rays at once. direction: unit.
-struct TraceRay {
-    Vec3f origin = Vec3f::Zero();  // [length]
-    Vec3f direction = Vec3f::UnitZ();
+// Many rays at once, side by side as SIMD lanes read them: spans of one length.
+struct RayLanes {
+    std::array<std::span<const float>, 3> origin;     // x, y, z [length]
+    std::array<std::span<const float>, 3> direction;  // x, y, z; unit
+    std::span<const std::int32_t> active;             // -1: the ray is sent, 0: it is not
 };
 inline constexpr std::uint32_t kNoTriangle = std::numeric_limits<std::uint32_t>::max();
-struct TriangleHit {
-    std::uint32_t triangle = kNoTriangle;  // kNoTriangle: nothing was hit
-    float u = 0;                           // barycentric, as in SurfacePoint
-    float v = 0;
+struct HitLanes {
+    std::span<std::uint32_t> triangle;  // kNoTriangle: nothing was hit, or the ray was not sent
+    std::span<float> u;                 // barycentric, as in SurfacePoint
+    std::span<float> v;
 };
 
 enum class TracerBackend { embree, brute_force };
@@ -46,15 +48,19 @@ class Tracer {
         double min_distance = 0,
         double max_distance = std::numeric_limits<double>::infinity()) const;
 
-    // The nearest hit of each ray, front or back, at any distance: the same as intersect(), without
-    // its cost per call. hits: as many as rays.
-    void intersect_all(std::span<const TraceRay> rays, std::span<TriangleHit> hits) const;
-
     // Whether anything lies in between.
     [[nodiscard]] bool occluded(
         const Vec3& origin,
         const Vec3& direction,
         double max_distance = std::numeric_limits<double>::infinity()) const;
+
+    // intersect() and occluded() of each ray that is sent, without their cost per call. hits: as
+    // many lanes as rays. lit: -1 where the ray is sent and nothing lies in between, 0 elsewhere;
+    // may be the rays' own active.
+    void intersect_lanes(const RayLanes& rays, const HitLanes& hits) const;
+    void lit_lanes(const RayLanes& rays,
+                   std::span<const float> max_distance,
+                   std::span<std::int32_t> lit) const;
 
     // Moves a point off its surface along the geometric normal, to the side of `direction`, by the
     // size of the rounding error of single-precision coordinates in this scene.

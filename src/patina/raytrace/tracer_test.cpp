@@ -5,6 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <optional>
+#include <vector>
+
 namespace patina {
 namespace {
 
@@ -32,26 +36,44 @@ Mesh random_triangles(int count) {
 class TracerBackends : public testing::TestWithParam<TracerBackend> {};
 
 TEST_P(TracerBackends, AnswerManyRaysAsTheyAnswerOne) {
+    constexpr std::size_t kRays = 2003;  // no multiple of a packet
+    constexpr std::size_t kNotSent = 5;  // every fifth is not sent
     const Tracer tracer(random_triangles(100), GetParam());
     Rng rng(3, Pass::tests, 0);
-    std::vector<TraceRay> rays(2000);
-    for (TraceRay& ray : rays) {
-        ray.origin = Vec3(rng.uniform(), rng.uniform(), rng.uniform()).cast<float>();
-        ray.direction = square_to_sphere({rng.uniform(), rng.uniform()}).cast<float>();
+    std::array<std::vector<float>, 3> origin;
+    std::array<std::vector<float>, 3> direction;
+    std::vector<float> max_distance;
+    std::vector<std::int32_t> active;
+    for (std::size_t i = 0; i < kRays; ++i) {
+        const Vec3 w = square_to_sphere({rng.uniform(), rng.uniform()});
+        for (std::size_t k = 0; k < 3; ++k) {
+            origin[k].push_back(float(rng.uniform()));
+            direction[k].push_back(float(w[Eigen::Index(k)]));
+        }
+        max_distance.push_back(float(rng.uniform()));
+        active.push_back(i % kNotSent == 0 ? 0 : -1);
     }
-    std::vector<TriangleHit> hits(rays.size());
-    tracer.intersect_all(rays, hits);
+    const RayLanes rays = {
+        {origin[0], origin[1], origin[2]}, {direction[0], direction[1], direction[2]}, active};
+    std::vector<std::uint32_t> triangle(kRays);
+    std::vector<float> u(kRays);
+    std::vector<float> v(kRays);
+    std::vector<std::int32_t> lit(kRays);
+    tracer.intersect_lanes(rays, {triangle, u, v});
+    tracer.lit_lanes(rays, max_distance, lit);
     std::size_t num_hits = 0;
-    for (std::size_t i = 0; i < rays.size(); ++i) {
-        const auto expected =
-            tracer.intersect(rays[i].origin.cast<double>(), rays[i].direction.cast<double>());
-        ASSERT_EQ(hits[i].triangle, expected ? expected->triangle : kNoTriangle);
+    for (std::size_t i = 0; i < kRays; ++i) {
+        const Vec3 p = Vec3f(origin[0][i], origin[1][i], origin[2][i]).cast<double>();
+        const Vec3 w = Vec3f(direction[0][i], direction[1][i], direction[2][i]).cast<double>();
+        const auto expected = active[i] != 0 ? tracer.intersect(p, w) : std::nullopt;
+        ASSERT_EQ(triangle[i], expected ? expected->triangle : kNoTriangle);
+        ASSERT_EQ(lit[i] != 0, active[i] != 0 && !tracer.occluded(p, w, double(max_distance[i])));
         if (!expected) continue;
         ++num_hits;
-        EXPECT_EQ(Vec2f(hits[i].u, hits[i].v), expected->barycentric);
+        EXPECT_EQ(Vec2f(u[i], v[i]), expected->barycentric);
     }
-    EXPECT_GT(num_hits, rays.size() / 10);
-    EXPECT_LT(num_hits, rays.size());
+    EXPECT_GT(num_hits, kRays / 10);
+    EXPECT_LT(num_hits, kRays);
 }
 
 INSTANTIATE_TEST_SUITE_P(Both,

@@ -1,6 +1,7 @@
 #include "patina/scene/light.h"
 
 #include "patina/base/check.h"
+#include "patina/scene/light_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,6 +35,25 @@ LightSample sample_light(const Light& light, const Vec3& p_world, double azimuth
         sample.irradiance *= cosine > 0 ? std::pow(cosine, light.falloff) : 0.0;
     }
     return sample;
+}
+
+LaneLight lane_light(const Light& light) {
+    LaneLight lane;
+    const bool is_point = light.type == LightType::point;
+    PATINA_CHECK(is_point || light.direction.has_value());
+    const Vec3f place = (is_point ? light.position : *light.direction).cast<float>();
+    lane.x = place.x();
+    lane.y = place.y();
+    lane.z = place.z();
+    lane.is_point = is_point ? 1.0f : 0.0f;
+    lane.turns = light.frame == FrameOfReference::scanner ? 1.0f : 0.0f;
+    if (!is_point || !light.direction) return lane;
+    lane.axis_x = float(light.direction->x());
+    lane.axis_y = float(light.direction->y());
+    lane.axis_z = float(light.direction->z());
+    lane.has_axis = 1;
+    lane.falloff = float(light.falloff);
+    return lane;
 }
 
 }  // namespace patina

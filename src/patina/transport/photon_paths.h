@@ -12,7 +12,7 @@
 
 #include "patina/base/progress.h"
 #include "patina/transport/direct.h"
-#include "patina/transport/surface.h"
+#include "patina/transport/photon_scene.h"
 
 #include <cstdint>
 #include <span>
@@ -69,11 +69,9 @@ struct LampSet {
     bool turns_with_scanner = false;
 };
 
-// guide: per texel, what directions and survival are drawn from. stream: tells the lamp sets apart.
-[[nodiscard]] PhotonPaths trace_photons(const Surface& surface,
-                                        const TexelAtlas& atlas,
+// stream: tells the lamp sets apart.
+[[nodiscard]] PhotonPaths trace_photons(const PhotonScene& scene,
                                         const LampSet& lamps,
-                                        std::span<const Reflectance> guide,
                                         const PhotonOptions& options,
                                         std::uint32_t stream,
                                         Progress& progress);

@@ -20,12 +20,12 @@ namespace {
 
 constexpr std::size_t kNumRuns = 128;  // independent sets of photons
 
-struct PhotonScene : Channel {
+struct GlossyChannel : Channel {
     LampSet lamps;
     RatioKernel kernel;
     std::vector<Reflectance> guide;  // something else than the maps
 
-    PhotonScene() : guide(atlas.texels.size(), {Rgb(0.5, 0.5, 0.3), 0.5, 0.3}) {
+    GlossyChannel() : guide(atlas.texels.size(), {Rgb(0.5, 0.5, 0.3), 0.5, 0.3}) {
         for (const Light& light : scene.lights) lamps.lights.push_back(&light);
         for (const auto& lamp : direct) lamps.direct.push_back(&lamp);
         // A kernel that does not depend on the photons keeps the estimate linear in their power.
@@ -42,7 +42,8 @@ struct PhotonScene : Channel {
         options.photons = photons;
         options.seed = seed;
         Progress progress;
-        return trace_photons(scene.surface(), atlas, lamps, guides, options, 0, progress);
+        return trace_photons(
+            PhotonScene(scene.surface(), atlas, guides), lamps, options, 0, progress);
     }
     // A random point of the kernel of a texel: the texel y with the probability w A, then anywhere
     // in it. A mean over such points is what the kernel makes of a function, without its bias.
@@ -80,7 +81,7 @@ class PhotonChannel : public testing::Test {
     };
 
     static void SetUpTestSuite() {
-        channel_ = std::make_unique<PhotonScene>();
+        channel_ = std::make_unique<GlossyChannel>();
         patches_ = channel_->patches();
         looked_at_ = channel_->looked_at();
         own_ = run(channel_->maps, 1);
@@ -119,19 +120,19 @@ class PhotonChannel : public testing::Test {
         return runs;
     }
 
-    static std::unique_ptr<PhotonScene> channel_;
+    static std::unique_ptr<GlossyChannel> channel_;
     static std::array<std::vector<TexelId>, kNumPatches> patches_;
     static std::vector<TexelId> looked_at_;
     static Runs own_;
 };
 
-std::unique_ptr<PhotonScene> PhotonChannel::channel_;
+std::unique_ptr<GlossyChannel> PhotonChannel::channel_;
 std::array<std::vector<TexelId>, PhotonChannel::kNumPatches> PhotonChannel::patches_;
 std::vector<TexelId> PhotonChannel::looked_at_;
 PhotonChannel::Runs PhotonChannel::own_;
 
 TEST_F(PhotonChannel, HasTheIrradianceOfThePathTracer) {
-    const PhotonScene& channel = *channel_;
+    const GlossyChannel& channel = *channel_;
     const ReflectanceField field =
         ReflectanceField::per_texel(channel.scene.mesh, channel.atlas, channel.maps);
     for (std::size_t k = 0; k < kNumPatches; ++k) {
@@ -152,7 +153,7 @@ TEST_F(PhotonChannel, HasTheIrradianceOfThePathTracer) {
 }
 
 TEST_F(PhotonChannel, IsSeenThroughTheLobeAsThePathTracerSeesIt) {
-    const PhotonScene& channel = *channel_;
+    const GlossyChannel& channel = *channel_;
     const ReflectanceField field =
         ReflectanceField::per_texel(channel.scene.mesh, channel.atlas, channel.maps);
     const double sigma = channel.maps[looked_at_.front()].roughness;
@@ -249,7 +250,7 @@ TEST_P(ClosedBox, LosesAtEachBounceWhatIsAbsorbed) {
     options.photons = 100'000;
     Progress progress;
     const PhotonPaths paths =
-        trace_photons(scene.surface(), atlas, lamps, guide, options, 0, progress);
+        trace_photons(PhotonScene(scene.surface(), atlas, guide), lamps, options, 0, progress);
     const PhotonPower power = photon_power(paths, maps);
     // Each weight rounds by 1e-7; rays that slip through an edge of the box are fewer than 1e-5.
     constexpr double kLoss = 2e-5;
@@ -285,10 +286,10 @@ TEST(TurningLamp, LightsEveryColumnFromItsOwnAzimuth) {
     options.azimuth_window = kWindow;
     std::vector<double> runs;
     Progress progress;
+    const PhotonScene photon_scene(scene.surface(), atlas, maps);
     for (std::size_t run = 0; run < kNumRuns; ++run) {
         options.seed = run;
-        const PhotonPaths paths =
-            trace_photons(scene.surface(), atlas, lamps, maps, options, 0, progress);
+        const PhotonPaths paths = trace_photons(photon_scene, lamps, options, 0, progress);
         const PhotonPower power = photon_power(paths, maps);
         runs.push_back(mean_over(flute, [&](TexelId texel) {
             double sum = 0;

@@ -1,5 +1,6 @@
 #include "patina/transport/photon_scene.h"
 
+#include "patina/base/check.h"
 #include "patina/base/parallel.h"
 
 #include <algorithm>
@@ -47,18 +48,18 @@ PhotonScene::PhotonScene(const Surface& surface,
     : surface_(surface),
       atlas_(atlas),
       triangles_(surface.mesh->triangles.size()),
-      guides_(guide.size()),
+      texels_(guide.size()),
       albedo_(tabulate_albedo()) {
     fill_triangles();
-    fill_guides(guide);
+    fill_texels(guide);
 }
 
-float PhotonScene::survival(const GuideTexel& guide, float cos_i) const {
+float PhotonScene::survival(const PhotonTexel& texel, float cos_i) const {
     const float position = std::min(cos_i, 1.0f) * float(kNumCosines - 1);
     const std::size_t column = std::min(std::size_t(position), kNumCosines - 2);
-    const float* values = &albedo_[guide.roughness_row * kNumCosines + column];
+    const float* values = &albedo_[texel.roughness_row * kNumCosines + column];
     const float share = position - float(column);
-    const float albedo = guide.diffuse + guide.lobe * (values[0] + share * (values[1] - values[0]));
+    const float albedo = texel.diffuse + texel.lobe * (values[0] + share * (values[1] - values[0]));
     return std::clamp(albedo, kMinSurvival, kMaxSurvival);
 }
 
@@ -95,13 +96,24 @@ void PhotonScene::fill_triangles() {
     });
 }
 
-void PhotonScene::fill_guides(std::span<const Reflectance> guide) {
-    parallel_for(guides_.size(), [&](std::size_t i) {
-        const double variance = square(guide[i].roughness);
-        guides_[i] = {float(guide[i].diffuse.maxCoeff()),
-                      float(2 * variance * guide[i].specular),
-                      float(1 / variance),
-                      roughness_row(guide[i].roughness)};
+void PhotonScene::fill_texels(std::span<const Reflectance> guide) {
+    PATINA_CHECK_EQ(guide.size(), atlas_.texels.size());
+    parallel_for(texels_.size(), [&](std::size_t i) {
+        const Texel& from = atlas_.texels[i];
+        const Reflectance& map = guide[i];
+        PhotonTexel& to = texels_[i];
+        to.geometric_normal = from.point.geometric_normal.cast<float>();
+        to.origin = (from.point.position + tracer().offset_length() * from.point.geometric_normal)
+                        .cast<float>();
+        to.normal = from.point.normal.cast<float>();
+        to.area = float(from.area);
+        to.azimuth = float(from.azimuth);
+        to.mean_albedo = float(map.diffuse.mean() + map.specular * max_lobe_albedo(map.roughness));
+        to.diffuse = float(map.diffuse.maxCoeff());
+        const double variance = square(map.roughness);
+        to.lobe = float(2 * variance * map.specular);
+        to.concentration = float(1 / variance);
+        to.roughness_row = roughness_row(map.roughness);
     });
 }
 

@@ -1,6 +1,5 @@
 #include "patina/transport/photon_wave.h"
 
-#include "patina/base/random.h"
 #include "patina/reflectance/lobe_lanes.h"
 
 #include <algorithm>
@@ -13,110 +12,93 @@ namespace {
 constexpr float kMaxShadingRatio = 4.0f;
 constexpr float kFloor = float(kCosineFloor);
 constexpr float kInversePi = float(1 / kPi);
+constexpr float kTurn = float(2 * kPi);
 
 // Epanechnikov kernel of unit integral [1/rad].
-double azimuth_kernel(double difference, double half_width) {
-    const double t = std::remainder(difference, 2 * kPi) / half_width;
-    return std::abs(t) < 1 ? 0.75 / half_width * (1 - t * t) : 0.0;
+float azimuth_kernel(float difference, float half_width) {
+    const float t = (difference - kTurn * std::nearbyint(difference / kTurn)) / half_width;
+    return std::abs(t) < 1 ? 0.75f / half_width * (1 - t * t) : 0.0f;
 }
+
+std::uint8_t half_of(std::uint32_t photon) { return static_cast<std::uint8_t>(photon % 2); }
+
+void prefetch(const void* address) { __builtin_prefetch(address); }
 
 }  // namespace
 
 PhotonWave::PhotonWave(const PhotonScene& scene,
-                       const TexelAtlas& atlas,
+                       const PhotonStart& start,
+                       const PhotonNumbers& numbers,
                        const PhotonOptions& options,
-                       bool turns_with_scanner,
-                       const std::array<std::uint32_t, 2>& element_hashes,
-                       std::uint32_t num_lamp_pairs)
+                       bool turns_with_scanner)
     : scene_(scene),
-      atlas_(atlas),
+      start_(start),
+      numbers_(numbers),
       options_(options),
       turns_with_scanner_(turns_with_scanner),
-      element_hashes_(element_hashes),
-      num_lamp_pairs_(num_lamp_pairs),
-      rays_(kSize),
-      hits_(kSize) {}
+      hits_(kWaveSize) {}
 
-void PhotonWave::clear(std::uint32_t first_sample) {
-    first_sample_ = first_sample;
-    size_ = 0;
+void PhotonWave::follow(std::uint64_t first_photon,
+                        std::size_t count,
+                        PhotonStart::Cursor& cursor,
+                        PhotonBlock& block) {
     num_rays_ = 0;
+    num_paths_ = 0;
     num_bounces_.fill(0);
     arrivals_.clear();
-}
-
-void PhotonWave::set_guide(std::size_t lane, TexelId texel, float survival) {
-    const GuideTexel& guide = scene_.guide(texel);
-    texel_[lane] = texel;
-    diffuse_[lane] = guide.diffuse;
-    lobe_[lane] = guide.lobe;
-    concentration_[lane] = guide.concentration;
-    survival_[lane] = survival;
-}
-
-void PhotonWave::add(const Start& start) {
-    const SurfacePoint& point = atlas_.texels[start.texel].point;
-    const std::size_t lane = size_++;
-    position_.set(lane, point.position.cast<float>());
-    geometric_normal_.set(lane, point.geometric_normal.cast<float>());
-    normal_.set(lane, point.normal.cast<float>());
-    w_i_.set(lane, start.w_i);
-    set_guide(lane, start.texel, 1);
-    photon_[lane] = std::uint32_t(start.number);
-    element_hash_[lane] = element_hashes_[start.number % 2];
-    sample_[lane] = first_sample_ + std::uint32_t(start.number / 2);
-    power_[start.number] = start.power;
-    azimuth_[start.number] = start.azimuth;
-}
-
-void PhotonWave::follow(PhotonBlock& block) {
-    std::uint32_t pair = num_lamp_pairs_ + 1;
-    draw(pair, choice_, next_roulette_);
-    for (int bounce = 0; bounce < options_.max_bounces && size_ > 0; ++bounce) {
-        draw(pair + 1, u_, v_);
-        pair += 2;
-        draw(pair, next_choice_, next_roulette_);
+    start_.fill(first_photon, count, cursor, lanes_);
+    const auto first_sample = std::uint32_t(first_photon / 2);
+    std::uint32_t pair = PhotonStart::kNumPairs;
+    for (int bounce = 0; bounce < options_.max_bounces && lanes_.size > 0; ++bounce) {
+        numbers_.draw(++pair, first_sample, lanes_.photon, lanes_.size, lanes_.u, lanes_.v);
         sample_directions();
-        weigh_directions();
         send_rays();
-        size_ = num_next_;
+        collect_hits();
+        if (turns_with_scanner_ && bounce == 0) drop_unlit();
+        ask_for_triangles();
+        locate_hits();
+        find_texels();
+        weigh_directions();
+        if (bounce == 0) keep_powers();
+        numbers_.draw(++pair,
+                      first_sample,
+                      hit_lanes_.photon,
+                      num_hits_,
+                      hit_lanes_.choice,
+                      hit_lanes_.roulette);
+        lanes_.size = 0;
+        for (std::size_t hit = 0; hit < num_hits_; ++hit) arrive(hit);
+        if (bounce == 0) num_paths_ = arrivals_.size();
     }
     append_to(block);
-}
-
-void PhotonWave::draw(std::uint32_t pair, Lane<float>& first, Lane<float>& second) const {
-    for (std::size_t i = 0; i < size_; ++i) {
-        const auto numbers = sobol_pair(element_hash_[i], sample_[i], pair);
-        first[i] = unit_from_bits(numbers[0]);
-        second[i] = unit_from_bits(numbers[1]);
-    }
 }
 
 // As sample_lobe(): a cosine distribution about the normal or a von Mises-Fisher distribution about
 // the mirror direction.
 void PhotonWave::sample_directions() {
-    for (std::size_t i = 0; i < size_; ++i) {
-        const float nx = normal_.x[i], ny = normal_.y[i], nz = normal_.z[i];
-        const float cos_i = nx * w_i_.x[i] + ny * w_i_.y[i] + nz * w_i_.z[i];
-        const float mx = 2 * cos_i * nx - w_i_.x[i];
-        const float my = 2 * cos_i * ny - w_i_.y[i];
-        const float mz = 2 * cos_i * nz - w_i_.z[i];
-        mirror_.x[i] = mx;
-        mirror_.y[i] = my;
-        mirror_.z[i] = mz;
+    PhotonLanes& at = lanes_;
+    for (std::size_t i = 0; i < at.size; ++i) {
+        const float nx = at.normal.x[i], ny = at.normal.y[i], nz = at.normal.z[i];
+        const float cos_i = nx * at.w_i.x[i] + ny * at.w_i.y[i] + nz * at.w_i.z[i];
+        const float mx = 2 * cos_i * nx - at.w_i.x[i];
+        const float my = 2 * cos_i * ny - at.w_i.y[i];
+        const float mz = 2 * cos_i * nz - at.w_i.z[i];
+        at.mirror.x[i] = mx;
+        at.mirror.y[i] = my;
+        at.mirror.z[i] = mz;
         // A texel may be black altogether.
         constexpr float kNegligibleAlbedo = 1e-30f;
-        const float lobe = lobe_[i] / std::max(cos_i, kFloor);
-        share_[i] = lobe / std::max(diffuse_[i] + lobe, kNegligibleAlbedo);
-        const bool glossy = choice_[i] < share_[i];
+        const float lobe = at.lobe[i] / std::max(cos_i, kFloor);
+        at.share[i] = lobe / std::max(at.diffuse[i] + lobe, kNegligibleAlbedo);
+        const bool glossy = at.choice[i] < at.share[i];
 
-        const float decay = exp_of_negative(-2 * concentration_[i]);
+        const float decay = exp_of_negative(-2 * at.concentration[i]);
         const float versine =
-            std::min(2.0f, -lane_log(u_[i] + (1 - u_[i]) * decay) / concentration_[i]);
-        const float radius_squared = glossy ? versine * (2 - versine) : u_[i];
-        const float z = glossy ? 1 - versine : std::sqrt(1 - u_[i]);
+            std::min(2.0f, -lane_log(at.u[i] + (1 - at.u[i]) * decay) / at.concentration[i]);
+        const float radius_squared = glossy ? versine * (2 - versine) : at.u[i];
+        const float z = glossy ? 1 - versine : std::sqrt(1 - at.u[i]);
         const float radius = std::sqrt(std::max(radius_squared, 0.0f));
-        const SinCos phi = lane_sin_cos(v_[i]);
+        const SinCos phi = lane_sin_cos(at.v[i]);
         const float x = radius * phi.cos;
         const float y = radius * phi.sin;
 
@@ -127,128 +109,205 @@ void PhotonWave::sample_directions() {
         const float sign = std::copysign(1.0f, az);
         const float a = -1.0f / (sign + az);
         const float b = ax * ay * a;
-        w_o_.x[i] = x * (1 + sign * ax * ax * a) + y * b + z * ax;
-        w_o_.y[i] = x * sign * b + y * (sign + ay * ay * a) + z * ay;
-        w_o_.z[i] = -x * sign * ax - y * ay + z * az;
-    }
-}
-
-// The density of the directions, and what weights need to know of them.
-void PhotonWave::weigh_directions() {
-    const auto offset = float(scene_.tracer().offset_length());
-    for (std::size_t i = 0; i < size_; ++i) {
-        const float ox = w_o_.x[i], oy = w_o_.y[i], oz = w_o_.z[i];
-        const float nx = normal_.x[i], ny = normal_.y[i], nz = normal_.z[i];
-        const float gx = geometric_normal_.x[i];
-        const float gy = geometric_normal_.y[i];
-        const float gz = geometric_normal_.z[i];
-        const float cos_i = nx * w_i_.x[i] + ny * w_i_.y[i] + nz * w_i_.z[i];
+        const float ox = x * (1 + sign * ax * ax * a) + y * b + z * ax;
+        const float oy = x * sign * b + y * (sign + ay * ay * a) + z * ay;
+        const float oz = -x * sign * ax - y * ay + z * az;
+        at.w_o.x[i] = ox;
+        at.w_o.y[i] = oy;
+        at.w_o.z[i] = oz;
         const float cos_o = nx * ox + ny * oy + nz * oz;
-        const float departing = gx * ox + gy * oy + gz * oz;
-        const float dx = mirror_.x[i] - ox;
-        const float dy = mirror_.y[i] - oy;
-        const float dz = mirror_.z[i] - oz;
-        const float chord_squared = dx * dx + dy * dy + dz * dz;
-
-        const float kappa = concentration_[i];
-        const float lobe_pdf = 0.5f * kInversePi * kappa *
-                               exp_of_negative(-0.5f * kappa * chord_squared) /
-                               (1 - exp_of_negative(-2 * kappa));
-        const float pdf = (1 - share_[i]) * cos_o * kInversePi + share_[i] * lobe_pdf;
-        const float theta_r = angle_of_chord_squared(chord_squared);
-        theta_r_squared_[i] = theta_r * theta_r;
-        lobe_cosines_[i] = 1 / (std::max(cos_i, kFloor) * std::max(cos_o, kFloor));
-        geometry_[i] = departing / (pdf * survival_[i]);
-        leaves_[i] =
+        const float departing = at.geometric_normal.x[i] * ox + at.geometric_normal.y[i] * oy +
+                                at.geometric_normal.z[i] * oz;
+        const std::uint32_t leaves =
             std::uint32_t(cos_i > 0) & std::uint32_t(cos_o > 0) & std::uint32_t(departing > 0);
-        origin_.x[i] = position_.x[i] + offset * gx;
-        origin_.y[i] = position_.y[i] + offset * gy;
-        origin_.z[i] = position_.z[i] + offset * gz;
+        at.active[i] &= -std::int32_t(leaves);
     }
 }
 
 void PhotonWave::send_rays() {
+    const std::size_t size = lanes_.size;
+    const auto active = std::span(lanes_.active).first(size);
+    scene_.tracer().intersect_lanes(
+        {lanes_.origin.first(size), lanes_.w_o.first(size), active},
+        {std::span(lanes_.hit_triangle).first(size), lanes_.hit_u, lanes_.hit_v});
+    std::int32_t sent = 0;
+    for (const std::int32_t is_active : active) sent -= is_active;
+    num_rays_ += std::uint64_t(sent);
+}
+
+void PhotonWave::collect_hits() {
     std::size_t count = 0;
-    for (std::size_t i = 0; i < size_; ++i) {
-        rays_[count] = {origin_.at(i), w_o_.at(i)};
-        lane_of_ray_[count] = std::uint32_t(i);
-        count += leaves_[i];
+    for (std::size_t i = 0; i < lanes_.size; ++i) {
+        hit_lanes_.lane[count] = std::uint32_t(i);
+        count += lanes_.hit_triangle[i] != kNoTriangle ? 1 : 0;
     }
-    num_rays_ += count;
-    scene_.tracer().intersect_all({rays_.data(), count}, {hits_.data(), count});
-    num_next_ = 0;
-    for (std::size_t ray = 0; ray < count; ++ray) {
-        if (hits_[ray].triangle != kNoTriangle) arrive(ray, lane_of_ray_[ray]);
+    num_hits_ = count;
+}
+
+// Where lamps turn, nobody knows yet whether they shine on the photon's first texel. Most photons
+// hit nothing afterwards, so that only the others are asked.
+void PhotonWave::drop_unlit() {
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        const std::size_t lane = hit_lanes_.lane[hit];
+        hit_lanes_.origin.set(hit, lanes_.origin.at(lane));
+        hit_lanes_.w_i.set(hit, lanes_.w_i.at(lane));
+        hit_lanes_.distance[hit] = lanes_.distance[lane];
+        hit_lanes_.lit[hit] = -1;
+    }
+    const auto lit = std::span(hit_lanes_.lit).first(num_hits_);
+    scene_.tracer().lit_lanes(
+        {hit_lanes_.origin.first(num_hits_), hit_lanes_.w_i.first(num_hits_), lit},
+        hit_lanes_.distance,
+        lit);
+    std::size_t count = 0;
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        hit_lanes_.lane[count] = hit_lanes_.lane[hit];
+        count += lit[hit] != 0 ? 1 : 0;
+    }
+    num_hits_ = count;
+}
+
+void PhotonWave::ask_for_triangles() {
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        const std::size_t lane = hit_lanes_.lane[hit];
+        hit_lanes_.photon[hit] = lanes_.photon[lane];
+        const PhotonTriangle& triangle = scene_.triangle(lanes_.hit_triangle[lane]);
+        prefetch(&triangle.position);
+        prefetch(&triangle.cell_edge2);
     }
 }
 
-// Stores the arrival and, where the photon lives on, moves it to the next free lane. Rays come in
+void PhotonWave::locate_hits() {
+    for (std::size_t i = 0; i < num_hits_; ++i) {
+        Hit& hit = hits_[i];
+        hit.lane = hit_lanes_.lane[i];
+        const PhotonTriangle& triangle = scene_.triangle(lanes_.hit_triangle[hit.lane]);
+        const float u = lanes_.hit_u[hit.lane];
+        const float v = lanes_.hit_v[hit.lane];
+        hit.cell =
+            scene_.cell_at(triangle.cell + u * triangle.cell_edge1 + v * triangle.cell_edge2);
+        prefetch(&scene_.texel_of_cell(hit.cell));
+        hit.normal = triangle.normal + u * triangle.normal_edge1 + v * triangle.normal_edge2;
+        const float length = hit.normal.norm();
+        // Opposite vertex normals may cancel.
+        hit.normal = length > 0 ? Vec3f(hit.normal / length) : triangle.geometric_normal;
+        hit.position =
+            triangle.position + u * triangle.position_edge1 + v * triangle.position_edge2;
+        hit.arriving = triangle.geometric_normal.dot(w_back(hit));
+        hit.shading = hit.normal.dot(w_back(hit));
+    }
+}
+
+void PhotonWave::find_texels() {
+    for (std::size_t i = 0; i < num_hits_; ++i) {
+        hits_[i].texel = scene_.texel_of_cell(hits_[i].cell);
+        if (hits_[i].texel != kNoTexel) prefetch(&scene_.texel(hits_[i].texel));
+    }
+}
+
+// The density of the directions that hit something, and what weights need to know of them.
+void PhotonWave::weigh_directions() {
+    const PhotonLanes& at = lanes_;
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        const std::size_t i = hit_lanes_.lane[hit];
+        const float ox = at.w_o.x[i], oy = at.w_o.y[i], oz = at.w_o.z[i];
+        const float nx = at.normal.x[i], ny = at.normal.y[i], nz = at.normal.z[i];
+        const float cos_i = nx * at.w_i.x[i] + ny * at.w_i.y[i] + nz * at.w_i.z[i];
+        const float cos_o = nx * ox + ny * oy + nz * oz;
+        const float departing = at.geometric_normal.x[i] * ox + at.geometric_normal.y[i] * oy +
+                                at.geometric_normal.z[i] * oz;
+        const float dx = at.mirror.x[i] - ox;
+        const float dy = at.mirror.y[i] - oy;
+        const float dz = at.mirror.z[i] - oz;
+        const float chord_squared = dx * dx + dy * dy + dz * dz;
+
+        const float kappa = at.concentration[i];
+        const float lobe_pdf = 0.5f * kInversePi * kappa *
+                               exp_of_negative(-0.5f * kappa * chord_squared) /
+                               (1 - exp_of_negative(-2 * kappa));
+        const float pdf = (1 - at.share[i]) * cos_o * kInversePi + at.share[i] * lobe_pdf;
+        const float theta_r = angle_of_chord_squared(chord_squared);
+        hit_lanes_.theta_r_squared[hit] = theta_r * theta_r;
+        hit_lanes_.lobe_cosines[hit] = 1 / (std::max(cos_i, kFloor) * std::max(cos_o, kFloor));
+        hit_lanes_.geometry[hit] = departing / (pdf * at.survival[i]);
+    }
+}
+
+// Before the lanes are given to photons that live on.
+void PhotonWave::keep_powers() {
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        power_[hit_lanes_.photon[hit]] = start_.power(lanes_, hit_lanes_.lane[hit]);
+    }
+}
+
+// Stores the arrival and, where the photon lives on, moves it to the next free lane. Hits come in
 // the order of their lanes, so that no lane is overwritten before it was read.
-void PhotonWave::arrive(std::size_t ray, std::size_t lane) {
-    const auto [index, u, v] = hits_[ray];
-    const PhotonTriangle& triangle = scene_.triangle(index);
-    const Vec3f w_back = -rays_[ray].direction;
-    const float arriving = triangle.geometric_normal.dot(w_back);
-    if (arriving <= 0) return;
-    Vec3f normal = triangle.normal + u * triangle.normal_edge1 + v * triangle.normal_edge2;
-    const float length = normal.norm();
-    // Opposite vertex normals may cancel.
-    normal = length > 0 ? Vec3f(normal / length) : triangle.geometric_normal;
-    const float shading = normal.dot(w_back);
-    if (shading <= 0) return;
-    const TexelId texel =
-        scene_.texel_at(triangle.cell + u * triangle.cell_edge1 + v * triangle.cell_edge2);
-    if (texel == kNoTexel) return;
-    const Vec3f position =
-        triangle.position + u * triangle.position_edge1 + v * triangle.position_edge2;
-    const std::uint32_t photon = photon_[lane];
-    PhotonBounce bounce;
-    bounce.from = texel_[lane];
-    bounce.to = texel;
-    bounce.theta_r_squared = theta_r_squared_[lane];
-    bounce.lobe_cosines = lobe_cosines_[lane];
-    bounce.geometry = geometry_[lane] * std::min(shading / arriving, kMaxShadingRatio);
+void PhotonWave::arrive(std::size_t number) {
+    const Hit& hit = hits_[number];
+    if (hit.arriving <= 0 || hit.shading <= 0 || hit.texel == kNoTexel) return;
+    const PhotonTexel& texel = scene_.texel(hit.texel);
+    const std::uint32_t photon = hit_lanes_.photon[number];
+    Arrival& arrival = arrivals_.emplace_back();
+    arrival.photon = photon;
+    arrival.w_back = w_back(hit);
+    arrival.position = hit.position;
+    PhotonBounce& bounce = arrival.bounce;
+    bounce.from = lanes_.texel[hit.lane];
+    bounce.to = hit.texel;
+    bounce.theta_r_squared = hit_lanes_.theta_r_squared[number];
+    bounce.lobe_cosines = hit_lanes_.lobe_cosines[number];
+    bounce.geometry =
+        hit_lanes_.geometry[number] * std::min(hit.shading / hit.arriving, kMaxShadingRatio);
     if (turns_with_scanner_) {
-        bounce.window = float(azimuth_kernel(azimuth_[photon] - atlas_.texels[texel].azimuth,
-                                             options_.azimuth_window));
+        bounce.window =
+            azimuth_kernel(lanes_.azimuth[photon] - texel.azimuth, float(options_.azimuth_window));
     }
-    arrivals_.push_back({bounce, w_back, position, photon});
     ++num_bounces_[photon];
-
-    const float survival = scene_.survival(scene_.guide(texel), shading);
-    if (next_roulette_[lane] >= survival) return;
-    const std::size_t next = num_next_++;
-    position_.set(next, position);
-    geometric_normal_.set(next, triangle.geometric_normal);
-    normal_.set(next, normal);
-    w_i_.set(next, w_back);
-    set_guide(next, texel, survival);
-    choice_[next] = next_choice_[lane];
-    element_hash_[next] = element_hash_[lane];
-    sample_[next] = sample_[lane];
-    photon_[next] = photon;
+    const float survival = scene_.survival(texel, hit.shading);
+    if (hit_lanes_.roulette[number] < survival) reflect(number, survival);
 }
 
+void PhotonWave::reflect(std::size_t number, float survival) {
+    const Hit& hit = hits_[number];
+    const PhotonTexel& texel = scene_.texel(hit.texel);
+    const Vec3f& geometric_normal = scene_.triangle(lanes_.hit_triangle[hit.lane]).geometric_normal;
+    const std::size_t next = lanes_.size++;
+    lanes_.w_i.set(next, w_back(hit));
+    lanes_.origin.set(next, hit.position + scene_.offset_length() * geometric_normal);
+    lanes_.geometric_normal.set(next, geometric_normal);
+    lanes_.normal.set(next, hit.normal);
+    lanes_.texel[next] = hit.texel;
+    lanes_.diffuse[next] = texel.diffuse;
+    lanes_.lobe[next] = texel.lobe;
+    lanes_.concentration[next] = texel.concentration;
+    lanes_.survival[next] = survival;
+    lanes_.choice[next] = hit_lanes_.choice[number];
+    lanes_.photon[next] = hit_lanes_.photon[number];
+    lanes_.active[next] = -1;
+}
+
+// Photons that arrive once do so first after the first reflection, where they are still in order.
 void PhotonWave::append_to(PhotonBlock& block) {
     block.rays += num_rays_;
-    const auto first = std::uint32_t(block.bounces.size());
+    const std::size_t first = block.bounces.size();
     const std::size_t end = first + arrivals_.size();
     block.bounces.resize(end);
     block.directions.resize(end);
+    block.halves.resize(end);
     if (options_.keep_positions) block.positions.resize(end);
     Lane<std::uint32_t> next_bounce;
-    std::uint32_t next = first;
-    for (std::size_t photon = 0; photon < kSize; ++photon) {
-        const std::uint32_t count = num_bounces_[photon];
+    auto next = std::uint32_t(first);
+    for (std::size_t i = 0; i < num_paths_; ++i) {
+        const std::uint32_t photon = arrivals_[i].photon;
+        block.paths.push_back({power_[photon], next, half_of(photon)});
         next_bounce[photon] = next;
-        if (count == 0) continue;
-        block.paths.push_back({power_[photon], next, static_cast<std::uint8_t>(photon % 2)});
-        next += count;
+        next += num_bounces_[photon];
     }
     for (const Arrival& arrival : arrivals_) {
         const std::uint32_t bounce = next_bounce[arrival.photon]++;
         block.bounces[bounce] = arrival.bounce;
         block.directions[bounce] = arrival.w_back;
+        block.halves[bounce] = half_of(arrival.photon);
         if (options_.keep_positions) block.positions[bounce] = arrival.position;
     }
 }

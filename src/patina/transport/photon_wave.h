@@ -1,70 +1,47 @@
 // A wave of photons: followed together, one reflection after the other, so that random numbers and
-// directions are computed in SIMD lanes and the rays are sent off in one go.
+// directions are computed in SIMD lanes, rays are sent in packets, and what the photons hit is
+// asked of memory before it is needed.
 //
 // The photons are those that would be followed one by one: every number depends on the photon and
 // the reflection alone.
 #pragma once
 
-#include "patina/math/lane_math.h"
-#include "patina/transport/photon_paths.h"
-#include "patina/transport/photon_scene.h"
+#include "patina/transport/photon_join.h"
+#include "patina/transport/photon_lanes.h"
+#include "patina/transport/photon_numbers.h"
+#include "patina/transport/photon_start.h"
 
-#include <array>
 #include <cstdint>
 #include <vector>
 
 namespace patina {
 
-// What one thread collects for one block of photons.
-struct PhotonBlock {
-    std::vector<PhotonPaths::Path> paths;  // first_bounce counts within the block
-    std::vector<PhotonBounce> bounces;
-    std::vector<Vec3f> directions;  // per bounce, from the arrival back along the photon's way
-    std::vector<Vec3f> positions;   // per bounce, of the arrival; empty unless wanted
-    std::uint64_t rays = 0;
-};
-
 class PhotonWave {
   public:
-    // Photons in a wave: few enough that their lanes stay in the second-level cache. Even.
-    static constexpr std::size_t kSize = 1024;
-
-    // A photon that falls on the surface.
-    struct Start {
-        std::size_t number = 0;  // in the wave; its parity is the half that the photon belongs to
-        TexelId texel = kNoTexel;
-        Vec3f w_i = Vec3f::UnitZ();
-        Rgbf power = Rgbf::Zero();  // [radiance x sr x length^2]
-        double azimuth = 0;         // of the lamp, where lamps turn [rad]
-    };
-
-    // element_hashes: of the random numbers of the two halves. num_lamp_pairs: pairs of random
-    // numbers that the photons took before. Does not own what it is given by reference.
+    // Does not own what it is given by reference.
     PhotonWave(const PhotonScene& scene,
-               const TexelAtlas& atlas,
+               const PhotonStart& start,
+               const PhotonNumbers& numbers,
                const PhotonOptions& options,
-               bool turns_with_scanner,
-               const std::array<std::uint32_t, 2>& element_hashes,
-               std::uint32_t num_lamp_pairs);
+               bool turns_with_scanner);
 
-    // first_sample: number of the wave's first photon within its half.
-    void clear(std::uint32_t first_sample);
-    // In ascending order of start.number, which is below kSize; the texel faces w_i.
-    void add(const Start& start);
-    // Follows all photons to their ends and appends what they did, photon by photon.
-    void follow(PhotonBlock& block);
+    // Follows count <= kWaveSize photons from first_photon (even) on to their ends and appends what
+    // they did, photon by photon. cursor: as for PhotonStart::fill().
+    void follow(std::uint64_t first_photon,
+                std::size_t count,
+                PhotonStart::Cursor& cursor,
+                PhotonBlock& block);
 
   private:
-    template <typename Value>
-    using Lane = std::array<Value, kSize>;
-    struct alignas(64) Lane3 {
-        Lane<float> x, y, z;
-        void set(std::size_t i, const Vec3f& v) {
-            x[i] = v.x();
-            y[i] = v.y();
-            z[i] = v.z();
-        }
-        [[nodiscard]] Vec3f at(std::size_t i) const { return {x[i], y[i], z[i]}; }
+    // A photon that hit something, on its way to the record of an arrival.
+    struct Hit {
+        Vec3f normal;            // smooth, unit
+        Vec3f position;          // [length]
+        std::size_t cell = 0;    // of the atlas
+        std::uint32_t lane = 0;  // that it came from
+        TexelId texel = kNoTexel;
+        float shading = 0;   // cosine to the smooth normal [-]
+        float arriving = 0;  // cosine to the geometric normal [-]
     };
     struct Arrival {
         PhotonBounce bounce;
@@ -73,45 +50,43 @@ class PhotonWave {
         std::uint32_t photon;
     };
 
-    void draw(std::uint32_t pair, Lane<float>& first, Lane<float>& second) const;
     void sample_directions();
-    void weigh_directions();
     void send_rays();
-    void arrive(std::size_t ray, std::size_t lane);
-    void set_guide(std::size_t lane, TexelId texel, float survival);
+    void collect_hits();
+    void drop_unlit();
+    void ask_for_triangles();
+    void locate_hits();
+    void find_texels();
+    void weigh_directions();
+    void keep_powers();
+    void arrive(std::size_t hit);
+    void reflect(std::size_t hit, float survival);
+    [[nodiscard]] Vec3f w_back(const Hit& hit) const { return -lanes_.w_o.at(hit.lane); }
     void append_to(PhotonBlock& block);
 
     const PhotonScene& scene_;
-    const TexelAtlas& atlas_;
+    const PhotonStart& start_;
+    const PhotonNumbers& numbers_;
     const PhotonOptions& options_;
     bool turns_with_scanner_;
-    std::array<std::uint32_t, 2> element_hashes_;
-    std::uint32_t num_lamp_pairs_;
 
-    // Photons at the surface, about to be reflected; the living ones come first.
-    std::size_t size_ = 0;
-    Lane3 position_, geometric_normal_, normal_, w_i_;
-    Lane<float> diffuse_, lobe_, concentration_, survival_;
-    Lane<float> choice_;  // random number that chooses between the diffuse part and the lobe
-    Lane<std::uint32_t> element_hash_, sample_;
-    Lane<TexelId> texel_;
-    Lane<std::uint32_t> photon_;
-    // Where they are reflected to.
-    Lane3 w_o_, mirror_, origin_;
-    Lane<float> u_, v_;  // random numbers of the direction
-    Lane<float> share_, theta_r_squared_, lobe_cosines_, geometry_;
-    Lane<std::uint32_t> leaves_;  // 1 where the direction leaves the surface
-    Lane<float> next_choice_, next_roulette_;
-    Lane<std::uint32_t> lane_of_ray_;
-    std::vector<TraceRay> rays_;
-    std::vector<TriangleHit> hits_;
-    std::size_t num_next_ = 0;  // photons that live on, already in their lanes
-    // Per photon of the wave.
-    std::uint32_t first_sample_ = 0;
-    Lane<Rgbf> power_;
-    Lane<double> azimuth_;
+    PhotonLanes lanes_;
+    // By number of the hit.
+    std::size_t num_hits_ = 0;
+    std::vector<Hit> hits_;
+    struct {
+        Lane<std::uint32_t> lane, photon;
+        Lane<float> theta_r_squared, lobe_cosines, geometry;
+        Lane<float> choice, roulette;  // random numbers
+        Lane3 origin, w_i;             // towards the lamp, before it is known to shine there
+        Lane<float> distance;          // to the lamp [length]
+        Lane<std::int32_t> lit;        // -1 or 0
+    } hit_lanes_;
+    // By number of the photon.
     Lane<std::uint32_t> num_bounces_;
+    Lane<Rgbf> power_;               // [radiance x sr x length^2]; of those that hit something
     std::vector<Arrival> arrivals_;  // reflection by reflection
+    std::size_t num_paths_ = 0;      // photons that arrived
     std::uint64_t num_rays_ = 0;
 };
 
