@@ -11,9 +11,6 @@ namespace {
 
 // Texels with less specular albedo than this do not show indirect light by their lobe.
 constexpr double kNegligibleLobe = 1e-5;
-// A change of the light smaller than so many roundings of what is sent on, relative to all of it,
-// does not tell what the next one keeps of it.
-constexpr double kTellingChange = 4 * kCompactRounding;
 
 }  // namespace
 
@@ -202,7 +199,6 @@ void GatherEngine::restart() {
     for (LampBlockLight& block : blocks_) block.restart();
     previous_.clear();
     previous_change_ = 0;
-    spectral_radius_ = 0;
 }
 
 double GatherEngine::spectral_radius_from(std::vector<double> mean) {
@@ -210,15 +206,11 @@ double GatherEngine::spectral_radius_from(std::vector<double> mean) {
     if (!previous_.empty()) {
         change = std::sqrt(ordered_reduce(
             mean.size(), 0.0, [&](std::size_t i) { return square(mean[i] - previous_[i]); }));
-        const double size = std::sqrt(
-            ordered_reduce(mean.size(), 0.0, [&](std::size_t i) { return square(previous_[i]); }));
-        if (previous_change_ > kTellingChange * size) {
-            spectral_radius_ = std::min(1.0, change / previous_change_);
-        }
     }
+    const double ratio = previous_change_ > 0 ? std::min(1.0, change / previous_change_) : 0;
     previous_ = std::move(mean);
     previous_change_ = change;
-    return spectral_radius_;
+    return ratio;
 }
 
 }  // namespace patina
