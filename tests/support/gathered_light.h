@@ -49,14 +49,14 @@ class GatheredLight {
           light_(surface, atlas, graph_, std::move(lamps), turning) {}
 
     void sweep(int count) {
-        for (int i = 0; i < count; ++i) light_.sweep(graph_, texels_, filter_, halves_);
+        for (int i = 0; i < count; ++i) light_.sweep(graph_, texels_, filter_, swept_);
     }
 
     [[nodiscard]] const GatherGraph& graph() const { return graph_; }
-    [[nodiscard]] const std::array<IndirectLanes, 2>& halves() const { return halves_; }
+    [[nodiscard]] const std::array<IndirectLanes, 2>& halves() const { return swept_.halves; }
     // Of all lamps together, of one half of the rays and of both, in the mean over the channels.
     [[nodiscard]] double half(std::size_t half, TexelId texel) const {
-        return sum(halves_[half][texel]);
+        return sum(swept_.halves[half][texel]);
     }
     [[nodiscard]] double irradiance(TexelId texel) const {
         return 0.5 * (half(0, texel) + half(1, texel));
@@ -81,7 +81,7 @@ class GatheredLight {
     RadiantTexels texels_;
     SurfaceFilter filter_;
     LampBlockLight light_;
-    std::array<IndirectLanes, 2> halves_;
+    SweptLight swept_;
 };
 
 }  // namespace patina

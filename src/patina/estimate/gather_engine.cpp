@@ -59,11 +59,14 @@ GatherEngine::GatherEngine(const Surface& surface,
         block.direct.push_back(&scene.direct[light]);
     }
     const std::size_t num_standing = blocks[0].size();
+    const std::size_t num_turning = blocks[1].size();
     for (const std::size_t turning : {0u, 1u}) {
-        for (LampBlock& block : blocks[turning]) {
-            const bool keeps_hits = turning == 1 && blocks_.size() - num_standing < kept_blocks;
+        // Those that turn take shadow rays, so they are the first to be kept.
+        const std::size_t num_before = turning == 1 ? 0 : num_turning;
+        for (std::size_t k = 0; k < blocks[turning].size(); ++k) {
+            const bool keeps_hits = num_before + k < kept_blocks;
             blocks_.emplace_back(
-                surface, atlas, graph_, std::move(block), turning == 1, keeps_hits);
+                surface, atlas, graph_, std::move(blocks[turning][k]), turning == 1, keeps_hits);
         }
     }
     for (const LampSet& set : scene.lamp_sets) {
@@ -110,26 +113,33 @@ void GatherEngine::add_lobes(std::size_t block,
                              std::span<const Reflectance> maps,
                              std::span<const std::uint8_t> wanted,
                              std::vector<std::vector<IndirectLobe>>& sum) const {
-    const auto add =
-        [](const LampPlace& place, const LampBlockLight::LobeLanes& lanes, IndirectLobe& lobe) {
-            for (Eigen::Index c = 0; c < 3; ++c) {
-                const auto channel = std::size_t(c);
-                lobe.half[c] += place.color[c] * lanes.half[channel][place.lane];
-                lobe.same[c] += place.color[c] * lanes.same[channel][place.lane];
-                lobe.twice[c] += place.color[c] * lanes.twice[channel][place.lane];
-            }
-        };
+    struct Share {
+        const LampPlace* place;
+        std::vector<IndirectLobe>* lobe;
+    };
+    std::vector<std::vector<Share>> shares(views_.size());
+    for (std::size_t shot = 0; shot < sum.size(); ++shot) {
+        for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
+            if (place.block != block) continue;
+            shares[scene_.camera_of_shot[shot]].push_back({&place, &sum[shot]});
+        }
+    }
     parallel_for(atlas_.texels.size(), [&](std::size_t i) {
         if (wanted[i] == 0) return;
         for (std::size_t view = 0; view < views_.size(); ++view) {
-            if (!(views_[view][i].squaredNorm() > 0)) continue;
+            if (shares[view].empty() || !(views_[view][i].squaredNorm() > 0)) continue;
             const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
                 graph_, view, texels, TexelId(i), views_[view][i], maps[i].roughness);
-            for (std::size_t shot = 0; shot < sum.size(); ++shot) {
-                if (scene_.camera_of_shot[shot] != view) continue;
-                for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
-                    if (place.block == block) add(place, lanes, sum[shot][i]);
-                }
+            for (const Share& share : shares[view]) {
+                const std::size_t lane = share.place->lane;
+                const auto light = [&](const std::array<Lanes, 3>& channels) {
+                    const Rgbf lamp(channels[0][lane], channels[1][lane], channels[2][lane]);
+                    return Rgbf(share.place->color * lamp);
+                };
+                IndirectLobe& lobe = (*share.lobe)[i];
+                lobe.half += light(lanes.half);
+                lobe.same += light(lanes.same);
+                lobe.twice += light(lanes.twice);
             }
         }
     });
@@ -138,39 +148,51 @@ void GatherEngine::add_lobes(std::size_t block,
 IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
                                      std::span<const std::uint8_t> seen,
                                      bool with_specular) {
-    const RadiantTexels texels(atlas_, maps, with_specular);
     IndirectLight light;
+    evaluate(maps, seen, with_specular, light);
+    return light;
+}
+
+void GatherEngine::evaluate(std::span<const Reflectance> maps,
+                            std::span<const std::uint8_t> seen,
+                            bool with_specular,
+                            IndirectLight& light) {
+    const std::size_t num_texels = atlas_.texels.size();
+    const RadiantTexels texels(atlas_, maps, with_specular);
     light.irradiance.resize(places_.size());
-    for (IndirectIrradiance& irradiance : light.irradiance) {
-        for (std::vector<Rgbf>& half : irradiance.halves) {
-            half.assign(atlas_.texels.size(), Rgbf::Zero());
-        }
-    }
-    std::vector<std::uint8_t> glossy(atlas_.texels.size());
+    light.lobe.resize(with_specular ? scene_.shots.size() : 0);
+    parallel_for(
+        2 * light.irradiance.size(),
+        [&](std::size_t k) {
+            light.irradiance[k / 2].halves[k % 2].assign(num_texels, Rgbf::Zero());
+        },
+        1);
+    parallel_for(
+        light.lobe.size(),
+        [&](std::size_t shot) { light.lobe[shot].assign(num_texels, IndirectLobe()); },
+        1);
+    std::vector<std::uint8_t> glossy(num_texels);
     if (with_specular) {
-        light.lobe.assign(scene_.shots.size(), std::vector<IndirectLobe>(atlas_.texels.size()));
         for (std::size_t i = 0; i < glossy.size(); ++i) {
             glossy[i] =
                 seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
         }
     }
-    std::array<IndirectLanes, 2> halves;
-    std::vector<double> mean(atlas_.texels.size(), 0.0);
+    std::vector<double> mean(num_texels, 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
-        blocks_[block].sweep(graph_, texels, filter_, halves);
-        add_irradiance(block, halves, light.irradiance);
+        blocks_[block].sweep(graph_, texels, filter_, swept_);
+        add_irradiance(block, swept_.halves, light.irradiance);
         if (with_specular) add_lobes(block, texels, maps, glossy, light.lobe);
         blocks_[block].end_sweep();
         parallel_for(mean.size(), [&](std::size_t i) {
-            for (const auto& half : halves) {
+            for (const IndirectLanes& half : swept_.halves) {
                 for (const Lanes& channel : half[i]) {
-                    for (const float value : channel) mean[i] += double(value);
+                    for (std::size_t l = 0; l < kLampLanes; ++l) mean[i] += double(channel[l]);
                 }
             }
         });
     }
     light.spectral_radius = spectral_radius_from(std::move(mean));
-    return light;
 }
 
 void GatherEngine::restart() {

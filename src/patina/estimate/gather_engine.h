@@ -18,8 +18,9 @@ namespace patina {
 
 class GatherEngine final : public IndirectEngine {
   public:
-    // Reads the graph from options.graph_file, or traces it. kept_blocks: of the blocks of lamps
-    // that turn, so many keep their light at the hits, the others compute it again in each turn.
+    // Reads the graph from options.graph_file, or traces it. kept_blocks: so many blocks of lamps
+    // keep what is known of them at the hits, those that turn first; the others compute it again in
+    // each turn.
     GatherEngine(const Surface& surface,
                  const TexelAtlas& atlas,
                  const SceneView& scene,
@@ -32,6 +33,11 @@ class GatherEngine final : public IndirectEngine {
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
+    // The same into the memory of `light`, whose contents are lost.
+    void evaluate(std::span<const Reflectance> maps,
+                  std::span<const std::uint8_t> seen,
+                  bool with_specular,
+                  IndirectLight& light);
 
     // Forgets the light of earlier sweeps, not the graph.
     void restart();
@@ -62,7 +68,8 @@ class GatherEngine final : public IndirectEngine {
     SurfaceFilter filter_;
     std::vector<LampBlockLight> blocks_;
     std::vector<std::vector<LampPlace>> places_;  // per lamp set, per lamp
-    std::vector<double> previous_;                // mean indirect light of the texels, last sweep
+    SweptLight swept_;
+    std::vector<double> previous_;  // mean indirect light of the texels, last sweep
     double previous_change_ = 0;
 };
 

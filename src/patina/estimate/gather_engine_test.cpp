@@ -120,8 +120,8 @@ TEST_F(ManyLamps, SendTheSameWhereTheirLightAtTheHitsIsNotKept) {
         (void)engine.evaluate(channel_.maps, seen_, true);
         return engine.evaluate(channel_.maps, seen_, true);
     };
-    const IndirectLight kept = two_turns(2);
-    for (const std::size_t kept_blocks : {0U, 1U}) {
+    const IndirectLight kept = two_turns(4);  // two blocks that turn and two that stand
+    for (const std::size_t kept_blocks : {0U, 1U, 2U, 3U}) {
         const IndirectLight again = two_turns(kept_blocks);
         EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[0], again.irradiance[0].halves[0]));
         EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[1], again.irradiance[0].halves[1]));

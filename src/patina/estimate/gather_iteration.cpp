@@ -95,8 +95,7 @@ void GatherIteration::run(GatherEngine& engine, Progress& progress) {
 
 IterationLog GatherIteration::turn(GatherEngine& engine, bool frozen) {
     if (!frozen) held_weights_.clear();
-    light_ = {};  // not beside the new one: it is among the largest things in memory
-    light_ = engine.evaluate(result_.maps, observations_.seen, true);
+    engine.evaluate(result_.maps, observations_.seen, true, light_);
     return take_turn("gather", light_, true, frozen);
 }
 

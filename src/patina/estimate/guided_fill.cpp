@@ -136,12 +136,12 @@ void GuidedFill::fill(std::span<const float> confidence,
         std::fill(values.begin(), values.end(), fallback);
         return;
     }
-    const std::vector<double> expected = trend(confidence, values);
     LinkEquation equation;
     for (std::size_t i = 0; i < values.size(); ++i) {
         if (!(confidence[i] > 0)) equation.unknown.push_back(TexelId(i));
     }
     if (equation.unknown.empty()) return;
+    const std::vector<double> expected = trend(confidence, values);
     equation.diagonal.resize(equation.unknown.size());
     equation.right.resize(equation.unknown.size());
     parallel_for(equation.unknown.size(), [&](std::size_t row) {

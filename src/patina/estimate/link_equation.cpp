@@ -2,22 +2,11 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/estimate/link_levels.h"
 #include "patina/math/types.h"
 
 namespace patina {
 namespace {
-
-// Of the residual, summed over the unknown texels.
-struct Products {
-    double residual_squared = 0;
-    double residual_scaled = 0;  // residual . residual / diagonal
-
-    Products& operator+=(const Products& other) {
-        residual_squared += other.residual_squared;
-        residual_scaled += other.residual_scaled;
-        return *this;
-    }
-};
 
 class Solver {
   public:
@@ -29,6 +18,7 @@ class Solver {
           link_(link),
           equation_(equation),
           values_(values),
+          levels_(atlas, link, equation),
           direction_(values.size(), 0.0),
           residual_(equation.unknown.size()),
           image_(equation.unknown.size()) {}
@@ -42,17 +32,20 @@ class Solver {
             return 0;
         }
         const double goal = square(options.tolerance) * right_squared;
-        Products products = start();
+        double residual_squared = start();
+        double scaled = correct();
+        turn(0);
         int steps = 0;
-        while (products.residual_squared > goal && steps < options.max_steps) {
+        while (residual_squared > goal && steps < options.max_steps) {
             const double curvature = ordered_reduce(size(), 0.0, [&](std::size_t row) {
                 image_[row] = image_of(direction_, row);
                 return direction_[equation_.unknown[row]] * image_[row];
             });
             if (!(curvature > 0)) return steps;  // the direction has shrunk to nothing
-            const double before = products.residual_scaled;
-            products = advance(before / curvature);
-            turn(products.residual_scaled / before);
+            const double before = scaled;
+            residual_squared = advance(before / curvature);
+            scaled = correct();
+            turn(scaled / before);
             ++steps;
         }
         return steps;
@@ -71,27 +64,31 @@ class Solver {
         return sum;
     }
 
-    [[nodiscard]] Products products_of(std::size_t row) const {
-        const double squared = square(residual_[row]);
-        return {squared, squared / equation_.diagonal[row]};
-    }
-
-    Products start() {
-        const Products products = ordered_reduce(size(), Products(), [&](std::size_t row) {
+    // Returns the squared residual, as advance().
+    double start() {
+        return ordered_reduce(size(), 0.0, [&](std::size_t row) {
             residual_[row] = equation_.right[row] - image_of(values_, row);
-            return products_of(row);
+            return square(residual_[row]);
         });
-        turn(0);
-        return products;
     }
 
     // Moves along the direction.
-    Products advance(double step) {
-        return ordered_reduce(size(), Products(), [&](std::size_t row) {
+    double advance(double step) {
+        return ordered_reduce(size(), 0.0, [&](std::size_t row) {
             const TexelId texel = equation_.unknown[row];
             values_[texel] += step * direction_[texel];
             residual_[row] -= step * image_[row];
-            return products_of(row);
+            return square(residual_[row]);
+        });
+    }
+
+    // The preconditioned residual, in the place of the image; returns its product with the
+    // residual.
+    double correct() {
+        levels_.load(residual_);
+        return ordered_reduce(size(), 0.0, [&](std::size_t row) {
+            image_[row] = levels_.correction(row, residual_[row]);
+            return image_[row] * residual_[row];
         });
     }
 
@@ -101,8 +98,7 @@ class Solver {
             size(),
             [&](std::size_t row) {
                 const TexelId texel = equation_.unknown[row];
-                direction_[texel] =
-                    residual_[row] / equation_.diagonal[row] + share * direction_[texel];
+                direction_[texel] = image_[row] + share * direction_[texel];
             },
             kParallelBlock);
     }
@@ -110,10 +106,11 @@ class Solver {
     const TexelAtlas& atlas_;
     std::span<const float> link_;
     const LinkEquation& equation_;
-    std::vector<double>& values_;    // per texel; 0 where known
+    std::vector<double>& values_;  // per texel; 0 where known
+    LinkLevels levels_;
     std::vector<double> direction_;  // per texel; 0 where known
     std::vector<double> residual_;   // per row
-    std::vector<double> image_;      // of the direction, per row
+    std::vector<double> image_;      // of the direction or the residual, per row
 };
 
 }  // namespace

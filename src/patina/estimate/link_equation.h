@@ -2,7 +2,7 @@
 // number of threads.
 //
 // Based on: Hestenes, Stiefel. Methods of Conjugate Gradients for Solving Linear Systems. J. Res.
-// NBS 49(6), 1952; with the diagonal as preconditioner.
+// NBS 49(6), 1952; preconditioned by coarser equations (link_levels.h).
 #pragma once
 
 #include "patina/scene/atlas.h"

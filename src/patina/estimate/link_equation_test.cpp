@@ -62,12 +62,6 @@ class Plate {
         return matrix.ldlt().solve(right);
     }
 
-    TexelAtlas atlas;
-    std::vector<float> link;
-    std::vector<bool> is_unknown;
-    LinkEquation equation;
-
-  private:
     template <typename Use>
     void each_link(std::size_t texel, const Use& use) const {
         for (std::uint32_t k = atlas.neighbor_begin[texel]; k < atlas.neighbor_begin[texel + 1];
@@ -75,6 +69,11 @@ class Plate {
             use(k, atlas.neighbors[k]);
         }
     }
+
+    TexelAtlas atlas;
+    std::vector<float> link;
+    std::vector<bool> is_unknown;
+    LinkEquation equation;
 };
 
 TEST(SolveLinks, FindsWhatADenseFactorisationFinds) {
@@ -113,6 +112,31 @@ TEST(SolveLinks, FindsZeroWhereNothingDrivesIt) {
     std::fill(plate.equation.right.begin(), plate.equation.right.end(), 1e-200);
     solve_links(plate.atlas, plate.link, plate.equation, {}, values);
     for (const double value : values) EXPECT_NEAR(value, 0, 1e-150);
+}
+
+TEST(SolveLinks, TakesStepsThatGrowLessThanThePlate) {
+    // One corner alone is known and the rest hardly held by itself. By the diagonal, steps grow
+    // with the side, here by 4; with constants on cells of all sizes, by its root.
+    const auto steps = [](int side) {
+        Plate plate(side);
+        plate.equation = {};
+        for (std::size_t i = 1; i < plate.atlas.texels.size(); ++i) {
+            double diagonal = 1e-6;
+            double right = 0;
+            plate.each_link(i, [&](std::size_t k, std::size_t j) {
+                diagonal += double(plate.link[k]);
+                if (j == 0) right += double(plate.link[k]);
+            });
+            plate.equation.unknown.push_back(TexelId(i));
+            plate.equation.diagonal.push_back(diagonal);
+            plate.equation.right.push_back(right);
+        }
+        std::vector<double> values(plate.atlas.texels.size(), 0.0);
+        return solve_links(plate.atlas, plate.link, plate.equation, {1e-5, 4000}, values);
+    };
+    const int few = steps(24);
+    const int many = steps(4 * 24);
+    EXPECT_LT(many, 3 * few) << few << " and " << many;
 }
 
 TEST(SolveLinks, StopsAtItsLimit) {

@@ -106,13 +106,16 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
                   kPixelBytes * double(counts.image_pixels);
     need.graph = hits * sizeof(GatherHit) + texels * (views + 1) * sizeof(std::size_t);
     need.tracing = 2 * largest_rows * sizeof(GatherHit);
-    // One that is not kept is there while it is worked on.
-    const std::size_t present = std::min(kept_blocks + 1, counts.turning_blocks);
+    // Blocks that turn are kept first. One that is not kept is there while it is worked on, and
+    // one that turns is the larger.
+    const std::size_t blocks = counts.turning_blocks + counts.standing_blocks;
+    const std::size_t present = std::min(kept_blocks + 1, blocks);
+    const std::size_t turning = std::min(present, counts.turning_blocks);
     constexpr double kSwept = sizeof(IndirectLanes::value_type);
-    need.lanes =
-        hits * double(present) * sizeof(CompactLanes) +
-        texels * double(counts.standing_blocks) * (sizeof(Lanes) + sizeof(LitTexels::Mirror)) +
-        texels * double(counts.standing_blocks + counts.turning_blocks) * 2 * kSwept;
+    need.lanes = hits * (double(turning) * sizeof(TurningHit) +
+                         double(present - turning) * sizeof(StandingHit)) +
+                 texels * (double(counts.standing_blocks) * sizeof(LitTexel) +
+                           double(blocks) * (sizeof(StandingRow) + kSwept));
     // Two halves, before and after the filter.
     const double sweep = 4 * kSwept;
     const double filter =
@@ -129,7 +132,7 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
 }
 
 MemoryPlan plan_memory(const MemoryCounts& counts, double limit) {
-    for (std::size_t kept = counts.turning_blocks + 1; kept-- > 0;) {
+    for (std::size_t kept = counts.turning_blocks + counts.standing_blocks + 1; kept-- > 0;) {
         const double peak = memory_need(counts, kept).peak;
         if (peak <= limit) return {peak, kept};
     }
@@ -145,12 +148,13 @@ MemoryPlan plan_memory(const MemoryCounts& counts, double limit) {
 
 std::string memory_words(const MemoryPlan& plan, const MemoryCounts& counts) {
     std::string words = "memory: about " + in_gibibytes(plan.peak);
-    if (plan.kept_blocks < counts.turning_blocks) {
+    const std::size_t blocks = counts.turning_blocks + counts.standing_blocks;
+    if (plan.kept_blocks < blocks) {
         words += fmt::format(
             "; light at the hits computed again in each turn for {} of {} blocks "
             "of lamps",
-            counts.turning_blocks - plan.kept_blocks,
-            counts.turning_blocks);
+            blocks - plan.kept_blocks,
+            blocks);
     }
     return words;
 }

@@ -9,16 +9,16 @@
 //     images     T S (TexelSample, and 24 with an error of registration) + one image
 //     graph      H GatherHit + 8 T (V + 1)
 //     tracing    2 GatherHit for each hit of the largest rows, on top, before they are compact
-//     lanes      H CompactLanes for each block of 16 lamps that turn with the scanner,
-//                T LitTexels for each one that stands, 384 T for either
-//     light      T (24 M + IndirectLobe S) + 768 T while a block is swept
+//     lanes      H TurningHit for each block of 8 lamps that turn with the scanner,
+//                H StandingHit + T LitTexel for each one that stands, 160 T for either
+//     light      T (24 M + IndirectLobe S) + 384 T while a block is swept
 //     texels     kTexelBytes T
 //
 //     peak = held + views + looks
 //          + max(images, graph + tracing, graph + lanes + light + texels)
 //
 // Lanes at the hits are by far the largest where lamps turn. They follow from the graph and can be
-// computed again in each turn, a block at a time, at the price of its shadow rays.
+// computed again in each turn, a block at a time, at the price of its shadow rays where lamps turn.
 #pragma once
 
 #include "patina/estimate/estimate.h"
@@ -69,7 +69,7 @@ struct MemoryNeed {
                                       const EstimateOptions& options,
                                       MemoryCounts counts);
 
-// kept_blocks: of the blocks of turning lamps, so many keep their light at the hits.
+// kept_blocks: so many blocks keep their light at the hits, those that turn first.
 [[nodiscard]] MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks);
 
 struct MemoryPlan {

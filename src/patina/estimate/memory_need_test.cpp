@@ -24,7 +24,7 @@ MemoryCounts large_scan() {
     counts.shots = 60;
     counts.lamps = 60;
     counts.lamp_sets = 60;
-    counts.turning_blocks = 4;
+    counts.turning_blocks = 8;
     counts.image_pixels = 1 << 20;
     counts.filter_radius = 2;
     counts.looks = {40U << 20, 40U << 20};
@@ -35,37 +35,41 @@ MemoryCounts large_scan() {
 TEST(MemoryNeed, IsThatOfTheLargestVectorsByTheirSizes) {
     const MemoryCounts counts = large_scan();
     const MemoryNeed need = memory_need(counts, counts.turning_blocks);
-    // Hits of 24 bytes, offsets of 8; lanes of 3 x 16 numbers of 16 bits for each block.
+    // Hits of 24 bytes, offsets of 8; lanes of 3 x 8 numbers of 16 bits for each block.
     EXPECT_EQ(need.graph, (48.0 * 24 + 2 * 8) * (1 << 20));
-    EXPECT_GT(need.lanes, 4 * 96 * 48.0 * (1 << 20));
-    EXPECT_LT(need.lanes, 1.2 * 4 * 96 * 48.0 * (1 << 20));
+    EXPECT_GT(need.lanes, 8 * 48 * 48.0 * (1 << 20));
+    EXPECT_LT(need.lanes, 1.2 * 8 * 48 * 48.0 * (1 << 20));
     EXPECT_EQ(
         need.peak,
         counts.held + need.views + need.looks + need.graph + need.lanes + need.light + need.texels);
 }
 
 TEST(MemoryNeed, FallsWithEveryBlockThatIsNotKept) {
-    const MemoryCounts counts = large_scan();
-    const double block = 96 * 48.0 * (1 << 20);
-    // While it is worked on, one that is not kept is there as well.
-    EXPECT_EQ(memory_need(counts, 4).peak, memory_need(counts, 3).peak);
-    for (const std::size_t kept : {0U, 1U, 2U}) {
-        EXPECT_DOUBLE_EQ(memory_need(counts, kept + 1).peak - memory_need(counts, kept).peak,
-                         block);
-    }
+    MemoryCounts counts = large_scan();
+    counts.turning_blocks = 2;
+    counts.standing_blocks = 2;
+    const double hits = 48.0 * (1 << 20);
+    const auto gain = [&](std::size_t kept) {
+        return memory_need(counts, kept + 1).peak - memory_need(counts, kept).peak;
+    };
+    // While it is worked on, one that is not kept is there as well, one that turns first.
+    EXPECT_DOUBLE_EQ(gain(0), 48 * hits);
+    EXPECT_DOUBLE_EQ(gain(1), 18 * hits);
+    EXPECT_DOUBLE_EQ(gain(2), 18 * hits);
+    EXPECT_EQ(gain(3), 0);
 }
 
 TEST(MemoryPlan, KeepsWhatFits) {
     const MemoryCounts counts = large_scan();
-    EXPECT_EQ(plan_memory(counts, std::numeric_limits<double>::infinity()).kept_blocks, 4U);
-    for (const std::size_t kept : {0U, 1U, 2U}) {
+    EXPECT_EQ(plan_memory(counts, std::numeric_limits<double>::infinity()).kept_blocks, 8U);
+    for (const std::size_t kept : {0U, 3U, 6U}) {
         const double need = memory_need(counts, kept).peak;
         const MemoryPlan plan = plan_memory(counts, need);
         EXPECT_EQ(plan.kept_blocks, kept);
         EXPECT_EQ(plan.peak, need);
     }
     EXPECT_THAT(memory_words(plan_memory(counts, memory_need(counts, 1).peak), counts),
-                AllOf(StartsWith("memory: about "), HasSubstr(" GiB; "), HasSubstr(" 3 of 4 ")));
+                AllOf(StartsWith("memory: about "), HasSubstr(" GiB; "), HasSubstr(" 7 of 8 ")));
 }
 
 TEST(MemoryPlan, SaysWhatIsNeededAndWhatLowersIt) {

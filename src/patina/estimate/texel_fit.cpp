@@ -148,6 +148,26 @@ class JointSums {
     Rgb ho_ = Rgb::Zero(), bo_ = Rgb::Zero(), oo_ = Rgb::Zero();
 };
 
+// Derivative of ln spread_gaussian() with respect to sigma [1/rad].
+double log_slope(const LampTerm& lamp, double roughness) {
+    const double along = square(roughness) + double(lamp.spread_along);
+    const double across = square(roughness) + double(lamp.spread_across);
+    return double(lamp.theta_r_squared) * roughness / square(along) + 2 / roughness -
+           roughness / along - roughness / across;
+}
+
+// The indirect part of lobe_basis().
+Rgb indirect_lobe_basis(const FitRow& row, double roughness) {
+    const IndirectLobe& lobe = row.indirect_lobe;
+    if ((lobe.twice == 0.0f).all()) return Rgb::Zero();
+    const auto octave = float(std::clamp(std::log2(roughness / row.indirect_roughness), -1.0, 1.0));
+    // The parabola through the three widths; it may dip below zero only where all three are noise.
+    const Rgbf slope = 0.5f * (lobe.twice - lobe.half);
+    const Rgbf bend = 0.5f * (lobe.twice + lobe.half) - lobe.same;
+    const Rgbf over_square = (lobe.same + octave * (slope + octave * bend)).max(0.0f);
+    return over_square.cast<double>() * square(roughness);
+}
+
 // Sums of the Fisher information of (Pd, Ps, sigma), one channel of Pd at a time.
 struct ChannelInformation {
     double hh = 0, hb = 0, hd = 0, bb = 0, bd = 0, dd = 0;
@@ -175,25 +195,15 @@ Rgb direct_lobe_basis(const FitRow& row, double roughness) {
 Rgb direct_lobe_basis_by_roughness(const FitRow& row, double roughness) {
     Rgb sum = Rgb::Zero();
     for (const LampTerm& lamp : row.lamps) {
-        const double along = square(roughness) + double(lamp.spread_along);
-        const double across = square(roughness) + double(lamp.spread_across);
-        const double log_slope = double(lamp.theta_r_squared) * roughness / square(along) +
-                                 2 / roughness - roughness / along - roughness / across;
         sum += lamp.irradiance.cast<double>() *
-               (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness) * log_slope);
+               (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness) *
+                log_slope(lamp, roughness));
     }
     return sum;
 }
 
 Rgb lobe_basis(const FitRow& row, double roughness) {
-    const IndirectLobe& lobe = row.indirect_lobe;
-    if ((lobe.twice == 0.0f).all()) return direct_lobe_basis(row, roughness);
-    const auto octave = float(std::clamp(std::log2(roughness / row.indirect_roughness), -1.0, 1.0));
-    // The parabola through the three widths; it may dip below zero only where all three are noise.
-    const Rgbf slope = 0.5f * (lobe.twice - lobe.half);
-    const Rgbf bend = 0.5f * (lobe.twice + lobe.half) - lobe.same;
-    const Rgbf over_square = (lobe.same + octave * (slope + octave * bend)).max(0.0f);
-    return direct_lobe_basis(row, roughness) + over_square.cast<double>() * square(roughness);
+    return direct_lobe_basis(row, roughness) + indirect_lobe_basis(row, roughness);
 }
 
 Rgb predict(const FitRow& row, const Reflectance& reflectance) {
@@ -291,11 +301,22 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
     std::array<ChannelInformation, 3> channels;
     double squared = 0;
     for (const FitRow& row : rows) {
+        // direct_lobe_basis() and its derivative, from one exponential for each lamp.
+        Rgb basis = Rgb::Zero();
+        Rgb by_roughness = Rgb::Zero();
+        for (const LampTerm& lamp : row.lamps) {
+            const double roughness = reflectance.roughness;
+            const Rgb image = lamp.irradiance.cast<double>() *
+                              (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness));
+            basis += image;
+            by_roughness += image * log_slope(lamp, roughness);
+        }
         const Rgb h = row.irradiance / kPi;
-        const Rgb b = direct_lobe_basis(row, reflectance.roughness) / kPi;
-        const Rgb d =
-            reflectance.specular * direct_lobe_basis_by_roughness(row, reflectance.roughness) / kPi;
-        squared += (row.weight * (row.radiance - predict(row, reflectance)).square()).sum();
+        const Rgb b = basis / kPi;
+        const Rgb d = reflectance.specular * by_roughness / kPi;
+        const Rgb lobe = basis + indirect_lobe_basis(row, reflectance.roughness);
+        const Rgb predicted = reflectance.diffuse * h + reflectance.specular * lobe / kPi;
+        squared += (row.weight * (row.radiance - predicted).square()).sum();
         for (std::size_t c = 0; c < 3; ++c) {
             const auto i = static_cast<Eigen::Index>(c);
             ChannelInformation& sums = channels[c];

@@ -3,6 +3,8 @@
 #include "patina/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace patina {
 namespace {
@@ -18,6 +20,20 @@ constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 bool lobe_is_shown(std::span<const FitRow> rows, double roughness, const FitOptions& options) {
     if (roughness > kWidestShare * options.max_roughness) return false;
     return has_look_inside(rows, roughness);
+}
+
+// Standard error of Ps with sigma given; FitErrors::specular_sigma_known without the others.
+double specular_error_at(std::span<const FitRow> rows, double roughness) {
+    Rgb hh = Rgb::Zero(), hb = Rgb::Zero(), bb = Rgb::Zero();
+    for (const FitRow& row : rows) {
+        const Rgb h = row.irradiance / kPi;
+        const Rgb b = direct_lobe_basis(row, roughness) / kPi;
+        hh += row.weight * h * h;
+        hb += row.weight * h * b;
+        bb += row.weight * b * b;
+    }
+    const double information = (bb - (hh > 0).select(hb * hb / hh, 0.0)).sum();
+    return information > 0 ? 1 / std::sqrt(information) : std::numeric_limits<double>::infinity();
 }
 
 }  // namespace
@@ -57,12 +73,13 @@ void judge_lobe(std::span<const FitRow> rows,
               largest_roughness_error(fit.reflectance.roughness));
     // Not told from zero: measured, to be matte, if no lobe of ordinary width would have escaped.
     // The width found means nothing then; a wide one would be excluded by any look.
-    Reflectance ordinary = fit.reflectance;
-    ordinary.roughness = std::min(ordinary.roughness, options.initial_roughness);
-    const double matte_error = scale * fit_errors(rows, ordinary).specular_sigma_known;
-    const bool matte = ps < kSpecularDetection * matte_error &&
-                       holds(fit.specular_measured, matte_error, kSpecularAbsoluteError);
-    fit.specular_measured = fit.roughness_measured || matte;
+    const auto is_matte = [&] {
+        const double roughness = std::min(fit.reflectance.roughness, options.initial_roughness);
+        const double error = scale * specular_error_at(rows, roughness);
+        return ps < kSpecularDetection * error &&
+               holds(fit.specular_measured, error, kSpecularAbsoluteError);
+    };
+    fit.specular_measured = fit.roughness_measured || is_matte();
     fit.specular_error = scale * errors.specular;
     fit.roughness_error = scale * errors.roughness;
 }

@@ -31,24 +31,24 @@ Errors errors_up_to(double end, const Function& f, const Exact& exact) {
 
 Errors squared_angle_errors(double largest_versine) {
     // arccos(1 - v) without its cancellation.
-    return errors_up_to(largest_versine, squared_angle, [](double versine) {
+    return errors_up_to(largest_versine, squared_angle<float>, [](double versine) {
         const double angle = 2 * std::asin(std::sqrt(0.5 * versine));
         return angle * angle;
     });
 }
 
 Errors exp_errors(double smallest) {
-    return errors_up_to(smallest, exp_of_negative, [](double x) { return std::exp(x); });
+    return errors_up_to(smallest, exp_of_negative<float>, [](double x) { return std::exp(x); });
 }
 
 TEST(SquaredAngle, IsThatOfTheArcCosine) {
-    EXPECT_EQ(squared_angle(0), 0.0F);
+    EXPECT_EQ(squared_angle(0.0F), 0.0F);
     EXPECT_LT(squared_angle_errors(0.7).relative, 2e-4);
     EXPECT_LT(squared_angle_errors(1.5).relative, 0.02);
 }
 
 TEST(ExpOfNegative, IsTheExponential) {
-    EXPECT_EQ(exp_of_negative(0), 1.0F);
+    EXPECT_EQ(exp_of_negative(0.0F), 1.0F);
     EXPECT_LT(exp_errors(-4).relative, 2e-6);
     EXPECT_LT(exp_errors(-20).relative, 0.05);
     EXPECT_LT(exp_errors(-20).absolute, 1e-6);
@@ -56,7 +56,7 @@ TEST(ExpOfNegative, IsTheExponential) {
 
 TEST(ExpOfNegative, StaysSmallFarOut) {
     for (const float x : {-21.0F, -100.0F, -1e30F}) {
-        EXPECT_EQ(exp_of_negative(x), exp_of_negative(-20)) << x;
+        EXPECT_EQ(exp_of_negative(x), exp_of_negative(-20.0F)) << x;
     }
 }
 

@@ -6,18 +6,19 @@
 #pragma once
 
 #include "patina/base/large_vector.h"
+#include "patina/math/lanes.h"
 #include "patina/transport/gather_graph.h"
 #include "patina/transport/photon_paths.h"
 
-#include <array>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 namespace patina {
 
-// Lamps are worked through in blocks of so many, side by side.
-inline constexpr std::size_t kLampLanes = 16;
-using Lanes = std::array<float, kLampLanes>;
+// Lamps are worked through in blocks of so many, side by side: one register of single-precision
+// lanes, and in 16 bits one line of memory for what a hit reads of a texel.
+inline constexpr std::size_t kLampLanes = kLanes;
 
 // Up to kLampLanes lamps.
 struct LampBlock {
@@ -27,39 +28,47 @@ struct LampBlock {
     [[nodiscard]] std::size_t size() const { return lights.size(); }
 };
 
-// What the lamps of a block send to every texel. Per white lamp of unit strength: a lamp's colour
-// and strength, which all of its light shares, are lamp_color(). Lanes without a lamp are dark.
-struct LitTexels {
-    // What the image of the lamps in a lobe needs, in 16 bits: a hit on a lobe reads it from
-    // anywhere in memory. Errors: 0.2 % of the light, 3e-5 of the directions.
-    struct alignas(32) Mirror {
-        std::array<std::uint16_t, kLampLanes> over_cosine{};  // irradiance over max(cos_i, c0), as
-                                                              // the upper halves of floats
-        std::array<std::int16_t, kLampLanes> x{}, y{}, z{};   // towards the lamp [1 / kDirection]
-    };
-    static constexpr float kDirection = 32767;
-
-    std::vector<Lanes> irradiance;  // cosine included; zero where dark [1/length^2; 1 for
-                                    // directional lamps]
-    LargeVector<Mirror> mirror;
-};
-// What they send to one hit, in 16 bits: the upper halves of the floats, rounded to nearest.
-struct alignas(32) CompactLanes {
-    using Halves = std::array<std::uint16_t, kLampLanes>;
-    Halves irradiance{};
-    Halves over_cosine{};
-    Halves versine{};  // 1 - cosine of the mirror angle between the lamp and the gathering texel
-};
-
 [[nodiscard]] Rgb lamp_color(const Light& light);
 
+// Light is held per white lamp of unit strength (a lamp's colour and strength, which all of its
+// light shares, are lamp_color()), and in units near what the lamp sends to the surface: powers of
+// two, so that 16 bits hold it whatever the unit of length [1/length^2; 1 for directional lamps].
+[[nodiscard]] Lanes light_units(const TexelAtlas& atlas, const LampBlock& lamps);
+
+// What standing lamps send to a texel. Lanes without a lamp are dark.
+struct LitTexel {
+    Lanes irradiance{};   // cosine included; zero where dark [light_units()]
+    Lanes over_cosine{};  // the same over max(cos_i, c0)
+};
+
+// How a hit sees the image of standing lamps in the lobe of the place that it meets.
+struct StandingHit {
+    CompactLanes theta_squared{};   // of the mirror angle between lamp and gathering texel [rad^2]
+    std::uint16_t over_cosine = 0;  // 1 / max(cos_o, c0) [-]
+};
+
+// What turning lamps send to one hit.
+struct TurningHit {
+    CompactLanes irradiance{};     // [light_units()]
+    CompactLanes over_cosine{};    // the same over max(cos_i, c0) max(cos_o, c0)
+    CompactLanes theta_squared{};  // see StandingHit
+};
+
 // One entry per texel of the atlas.
-[[nodiscard]] LitTexels lit_texels(const TexelAtlas& atlas, const LampBlock& lamps);
+[[nodiscard]] std::vector<LitTexel> lit_texels(const TexelAtlas& atlas,
+                                               const LampBlock& lamps,
+                                               const Lanes& units);
+
+// One entry per hit of the rows.
+[[nodiscard]] LargeVector<StandingHit> standing_hits(const TexelAtlas& atlas,
+                                                     const LampBlock& lamps,
+                                                     const GatherRows& rows);
 
 // One entry per hit of the rows, at the azimuth of the texel that the row belongs to.
-[[nodiscard]] std::vector<CompactLanes> hit_lanes(const Surface& surface,
-                                                  const TexelAtlas& atlas,
-                                                  const LampBlock& lamps,
-                                                  const GatherRows& rows);
+[[nodiscard]] LargeVector<TurningHit> turning_hits(const Surface& surface,
+                                                   const TexelAtlas& atlas,
+                                                   const LampBlock& lamps,
+                                                   const Lanes& units,
+                                                   const GatherRows& rows);
 
 }  // namespace patina

@@ -2,52 +2,151 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/math/lanes.h"
 #include "patina/reflectance/lobe_lanes.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace patina {
 namespace {
 
-constexpr std::size_t kTexelsPerBlock = 256;
 // Lobes with less albedo than this send no image of a lamp worth the sum.
 constexpr double kNegligibleLobe = 1e-5;
-
-float from_upper_half(std::uint16_t half) {
-    return std::bit_cast<float>(std::uint32_t(half) << 16);
-}
 
 // The rows of the texels that are hit lie all over memory, so they are asked for this many hits
 // ahead.
 constexpr std::size_t kAhead = 4;
 
-// Asks for the lines of a value that will be read soon.
-template <typename Value>
-void prefetch(const Value& value) {
-    constexpr std::size_t kLine = 64;
-    const char* const begin = reinterpret_cast<const char*>(&value);
-    for (std::size_t offset = 0; offset < sizeof(Value); offset += kLine) {
-        __builtin_prefetch(begin + offset);
+using Radiance = std::array<Lanes, 3>;
+// Of the two halves of the rays.
+using GatheredHalves = std::array<Radiance, 2>;
+
+// The images of the lamps in the lobe of a place that is hit, seen by the gathering texel.
+inline Lanes images(float minus_half_precision,
+                    float scale,
+                    const CompactLanes& image,
+                    const CompactLanes& theta_squared) {
+    return scale * from_compact(image) *
+           exp_of_negative(minus_half_precision * from_compact(theta_squared));
+}
+
+// Radiance of the place that was hit towards the gathering texel [light_units()].
+inline Radiance radiance_of(const StandingRow& row,
+                            const StandingHit& hit,
+                            float minus_half_precision) {
+    Radiance radiance;
+    for (std::size_t c = 0; c < 3; ++c) {
+        radiance[c] = from_compact(row.radiance[c]);
     }
+    if (minus_half_precision < 0) {
+        const float scale = from_compact(hit.over_cosine);
+        const Lanes image = images(minus_half_precision, scale, row.image, hit.theta_squared);
+        for (Lanes& channel : radiance) channel += image;
+    }
+    return radiance;
 }
 
-// Adds weight * from to to.
-void add_scaled(float weight, const Lanes& from, Lanes& to) {
-    for (std::size_t l = 0; l < kLampLanes; ++l) to[l] += weight * from[l];
+inline Radiance radiance_of(const TurningRow& row,
+                            const TurningHit& hit,
+                            float minus_half_precision) {
+    Radiance radiance;
+    const Lanes direct = from_compact(hit.irradiance);
+    for (std::size_t c = 0; c < 3; ++c) {
+        radiance[c] = from_compact(row.radiance[c]) + row.diffuse[Eigen::Index(c)] * direct;
+    }
+    if (minus_half_precision < 0) {
+        const Lanes image =
+            images(minus_half_precision, row.specular, hit.over_cosine, hit.theta_squared);
+        for (Lanes& channel : radiance) channel += image;
+    }
+    return radiance;
 }
 
-// One channel of one texel; not below 0, as weights of the filter may be.
-Lanes filtered(const SurfaceFilter& filter,
-               const IndirectLanes& gathered,
-               std::size_t texel,
-               std::size_t channel) {
-    Lanes sum{};
+// Asks for what radiance_of() will read of a hit to come.
+template <typename Row>
+inline void expect(const LargeVector<Row>& texels,
+                   const LargeVector<float>& precision,
+                   const GatherRows& rows,
+                   std::size_t hit_index) {
+    if (hit_index >= rows.hits.size()) return;
+    const TexelId texel = rows.hits[hit_index].to;
+    __builtin_prefetch(&texels[texel]);
+    __builtin_prefetch(&precision[texel]);
+}
+
+// The light that arrives over the hits of one texel.
+template <typename Row, typename Hit>
+GatheredHalves gathered(const GatherRows& rows,
+                        const LightSources<Row, Hit>& sources,
+                        const LargeVector<float>& precision,
+                        std::size_t texel) {
+    GatheredHalves halves{};
+    std::size_t k = rows.begin[texel];
+    const std::size_t end = rows.begin[texel + 1];
+    for (std::uint32_t half = 0; half < 2; ++half) {
+        Radiance sum{};
+        for (; k < end && rows.hits[k].half == half; ++k) {
+            expect(sources.texels, precision, rows, k + kAhead);
+            const GatherHit& hit = rows.hits[k];
+            const Radiance radiance =
+                radiance_of(sources.texels[hit.to], sources.irradiance[k], precision[hit.to]);
+            // Half of the rays stands for the whole hemisphere.
+            for (std::size_t c = 0; c < 3; ++c) sum[c] += 2 * hit.weight * radiance[c];
+        }
+        halves[half] = sum;
+    }
+    return halves;
+}
+
+// One texel; not below 0, as weights of the filter may be.
+GatheredHalves filtered(const SurfaceFilter& filter,
+                        const LargeVector<GatheredHalves>& gathered,
+                        std::size_t texel) {
+    GatheredHalves sums{};
     for (std::size_t k = filter.begin[texel]; k < filter.begin[texel + 1]; ++k) {
-        add_scaled(filter.weight[k], gathered[filter.texel[k]][channel], sum);
+        const GatheredHalves& from = gathered[filter.texel[k]];
+        for (std::size_t half = 0; half < 2; ++half) {
+            for (std::size_t c = 0; c < 3; ++c) {
+                sums[half][c] += filter.weight[k] * from[half][c];
+            }
+        }
     }
-    for (float& value : sum) value = std::max(value, 0.0f);
-    return sum;
+    for (Radiance& half : sums) {
+        for (Lanes& channel : half) channel = channel < 0.0f ? Lanes{} : channel;
+    }
+    return sums;
+}
+
+// Sums over the hits on one texel's lobe, without what the three widths have in common.
+template <typename Row, typename Hit>
+LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
+                                       const LightSources<Row, Hit>& sources,
+                                       const LargeVector<Hit>& hits,
+                                       const RadiantTexels& texels,
+                                       TexelId texel,
+                                       const Vec3f& mirror,
+                                       float variance) {
+    LampBlockLight::LobeLanes sums;
+    const LargeVector<float>& precision = texels.minus_half_precision();
+    const Vec3f& normal = texels[texel].normal;
+    for (std::size_t k = rows.begin[texel]; k < rows.begin[texel + 1]; ++k) {
+        const GatherHit& hit = rows.hits[k];
+        expect(sources.texels, precision, rows, k + kAhead);
+        const float theta_squared = squared_angle(std::max(0.0f, 1 - mirror.dot(hit.w)));
+        // The three Gaussians are powers of each other.
+        const float twice = exp_of_negative(-0.125f * theta_squared / variance);
+        if (twice < 0.01f) continue;
+        const float same = (twice * twice) * (twice * twice);
+        const float half = (same * same) * (same * same);
+        const float weight = hit.weight / std::max(normal.dot(hit.w), float(kCosineFloor));
+        const Radiance radiance = radiance_of(sources.texels[hit.to], hits[k], precision[hit.to]);
+        for (std::size_t c = 0; c < 3; ++c) {
+            sums.twice[c] += weight * twice * radiance[c];
+            sums.same[c] += weight * same * radiance[c];
+            sums.half[c] += weight * half * radiance[c];
+        }
+    }
+    return sums;
 }
 
 }  // namespace
@@ -55,7 +154,7 @@ Lanes filtered(const SurfaceFilter& filter,
 RadiantTexels::RadiantTexels(const TexelAtlas& atlas,
                              std::span<const Reflectance> maps,
                              bool with_specular)
-    : materials_(atlas.texels.size()) {
+    : materials_(atlas.texels.size()), precision_(atlas.texels.size()) {
     PATINA_CHECK_EQ(maps.size(), atlas.texels.size());
     // A mean over directions weighted by their cosine is reached near cos_i = 2/3.
     constexpr double kMeanCosine = 2.0 / 3;
@@ -70,7 +169,7 @@ RadiantTexels::RadiantTexels(const TexelAtlas& atlas,
         material.onward += float(albedo / kPi);
         if (albedo < kNegligibleLobe) return;
         material.specular = float(map.specular / kPi);
-        material.minus_half_precision = float(-0.5 / square(map.roughness));
+        precision_[i] = float(-0.5 / square(map.roughness));
     });
 }
 
@@ -83,142 +182,89 @@ LampBlockLight::LampBlockLight(const Surface& surface,
     : surface_(surface),
       atlas_(atlas),
       lamps_(std::move(lamps)),
+      units_(light_units(atlas, lamps_)),
       turning_(turning),
       keeps_hits_(keeps_hits),
-      indirect_(atlas.texels.size()),
-      radiosity_(atlas.texels.size()) {
-    if (!turning_) {
-        lit_ = lit_texels(atlas, lamps_);
-    } else if (keeps_hits_) {
-        light_hits(graph);
+      indirect_(atlas.texels.size()) {
+    if (turning_) {
+        turning_sources_.texels.resize(atlas.texels.size());
+    } else {
+        standing_.texels.resize(atlas.texels.size());
+        lit_ = lit_texels(atlas, lamps_, units_);
     }
+    if (keeps_hits_) light_hits(graph);
 }
 
 void LampBlockLight::light_hits(const GatherGraph& graph) {
-    irradiance_lanes_ = hit_lanes(surface_, atlas_, lamps_, graph.irradiance);
-    for (const GatherRows& rows : graph.lobes) {
-        lobe_lanes_.push_back(hit_lanes(surface_, atlas_, lamps_, rows));
+    if (turning_) {
+        const auto hits = [&](const GatherRows& rows) {
+            return turning_hits(surface_, atlas_, lamps_, units_, rows);
+        };
+        turning_sources_.irradiance = hits(graph.irradiance);
+        for (const GatherRows& rows : graph.lobes) turning_sources_.lobes.push_back(hits(rows));
+    } else {
+        const auto hits = [&](const GatherRows& rows) {
+            return standing_hits(atlas_, lamps_, rows);
+        };
+        standing_.irradiance = hits(graph.irradiance);
+        for (const GatherRows& rows : graph.lobes) standing_.lobes.push_back(hits(rows));
     }
     has_hits_ = true;
 }
 
 void LampBlockLight::end_sweep() {
-    if (!turning_ || keeps_hits_) return;
-    irradiance_lanes_ = {};
-    lobe_lanes_ = {};
+    if (keeps_hits_) return;
+    standing_.irradiance = {};
+    standing_.lobes = {};
+    turning_sources_.irradiance = {};
+    turning_sources_.lobes = {};
     has_hits_ = false;
 }
 
-void LampBlockLight::add_lobe_of_lamps(const RadiantTexels::Material& material,
-                                       const GatherHit& hit,
-                                       std::size_t hit_index,
-                                       const std::vector<CompactLanes>& compact,
-                                       Radiance& radiance) const {
-    const Vec3f& n = material.normal;
-    const float cos_o = -n.dot(hit.w);
-    const float scale = material.specular / std::max(cos_o, float(kCosineFloor));
-    Lanes lobe;
-    if (turning_) {
-        const CompactLanes& lit = compact[hit_index];
-        for (std::size_t l = 0; l < kLampLanes; ++l) {
-            const float exponent =
-                material.minus_half_precision * squared_angle(from_upper_half(lit.versine[l]));
-            lobe[l] = scale * from_upper_half(lit.over_cosine[l]) * exp_of_negative(exponent);
+void LampBlockLight::light_texels(const RadiantTexels& texels) {
+    parallel_for(indirect_.size(), [&](std::size_t i) {
+        const RadiantTexels::Material& material = texels[TexelId(i)];
+        Radiance radiance = indirect_[i];
+        for (std::size_t c = 0; c < 3; ++c) radiance[c] *= material.onward[Eigen::Index(c)];
+        if (turning_) {
+            TurningRow& row = turning_sources_.texels[i];
+            row.diffuse = material.diffuse;
+            row.specular = material.specular;
+            for (std::size_t c = 0; c < 3; ++c) row.radiance[c] = to_compact(radiance[c]);
+            return;
         }
-    } else {
-        const LitTexels::Mirror& lit = lit_.mirror[hit.to];
-        // 1 - w . mirror(w_o) for the direction w to the lamp.
-        const Vec3f turned = (2 * cos_o * n + hit.w) / LitTexels::kDirection;
-        for (std::size_t l = 0; l < kLampLanes; ++l) {
-            const float cosine = turned.x() * float(lit.x[l]) + turned.y() * float(lit.y[l]) +
-                                 turned.z() * float(lit.z[l]);
-            const float versine = std::max(0.0f, 1 - cosine);
-            lobe[l] = scale * from_upper_half(lit.over_cosine[l]) *
-                      exp_of_negative(material.minus_half_precision * squared_angle(versine));
-        }
-    }
-    for (Lanes& channel : radiance) add_scaled(1, lobe, channel);
-}
-
-void LampBlockLight::expect(const RadiantTexels& texels,
-                            const GatherRows& rows,
-                            std::size_t hit_index) const {
-    if (hit_index >= rows.hits.size()) return;
-    const TexelId texel = rows.hits[hit_index].to;
-    prefetch(texels[texel]);
-    prefetch(radiosity_[texel]);
-    if (!turning_) prefetch(lit_.mirror[texel]);
-}
-
-LampBlockLight::Radiance LampBlockLight::radiance_of(
-    const RadiantTexels& texels,
-    const GatherHit& hit,
-    std::size_t hit_index,
-    const std::vector<CompactLanes>& compact) const {
-    const RadiantTexels::Material& material = texels[hit.to];
-    Radiance radiance = radiosity_[hit.to];
-    if (turning_) {
-        Lanes direct;
-        for (std::size_t l = 0; l < kLampLanes; ++l) {
-            direct[l] = from_upper_half(compact[hit_index].irradiance[l]);
-        }
+        StandingRow& row = standing_.texels[i];
         for (std::size_t c = 0; c < 3; ++c) {
-            add_scaled(material.diffuse[Eigen::Index(c)], direct, radiance[c]);
+            const float diffuse = material.diffuse[Eigen::Index(c)];
+            row.radiance[c] = to_compact(radiance[c] + diffuse * lit_[i].irradiance);
         }
-    }
-    if (material.specular > 0) {
-        add_lobe_of_lamps(material, hit, hit_index, compact, radiance);
-    }
-    return radiance;
+        row.image = to_compact(material.specular * lit_[i].over_cosine);
+    });
 }
 
 void LampBlockLight::sweep(const GatherGraph& graph,
                            const RadiantTexels& texels,
                            const SurfaceFilter& filter,
-                           std::array<IndirectLanes, 2>& halves) {
+                           SweptLight& swept) {
     const std::size_t num_texels = indirect_.size();
-    if (turning_ && !has_hits_) light_hits(graph);
+    if (!has_hits_) light_hits(graph);
+    light_texels(texels);
+    swept.unfiltered.resize(num_texels);
+    for (IndirectLanes& half : swept.halves) half.resize(num_texels);
+    const auto gather = [&](const auto& sources) {
+        parallel_for(num_texels, [&](std::size_t i) {
+            swept.unfiltered[i] =
+                gathered(graph.irradiance, sources, texels.minus_half_precision(), i);
+        });
+    };
+    turning_ ? gather(turning_sources_) : gather(standing_);
     parallel_for(num_texels, [&](std::size_t i) {
-        const RadiantTexels::Material& material = texels[TexelId(i)];
+        const GatheredHalves smooth = filtered(filter, swept.unfiltered, i);
         for (std::size_t c = 0; c < 3; ++c) {
-            const float onward = material.onward[Eigen::Index(c)];
-            const float diffuse = material.diffuse[Eigen::Index(c)];
-            for (std::size_t l = 0; l < kLampLanes; ++l) {
-                radiosity_[i][c][l] = onward * indirect_[i][c][l];
+            for (std::size_t half = 0; half < 2; ++half) {
+                swept.halves[half][i][c] = units_ * smooth[half][c];
             }
-            if (!turning_) add_scaled(diffuse, lit_.irradiance[i], radiosity_[i][c]);
-        }
-    });
-    std::array<IndirectLanes, 2> gathered;
-    for (IndirectLanes& half : gathered) half.resize(num_texels);
-    parallel_blocks(num_texels, kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            std::array<Radiance, 2> sums{};
-            for (std::size_t k = graph.irradiance.begin[i]; k < graph.irradiance.begin[i + 1];
-                 ++k) {
-                const GatherHit& hit = graph.irradiance.hits[k];
-                expect(texels, graph.irradiance, k + kAhead);
-                const Radiance radiance = radiance_of(texels, hit, k, irradiance_lanes_);
-                for (std::size_t c = 0; c < 3; ++c) {
-                    // Half of the rays stands for the whole hemisphere.
-                    add_scaled(2 * hit.weight, radiance[c], sums[hit.half][c]);
-                }
-            }
-            gathered[0][i] = sums[0];
-            gathered[1][i] = sums[1];
-        }
-    });
-    for (IndirectLanes& half : halves) half.resize(num_texels);
-    parallel_blocks(num_texels, kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                for (const std::size_t half : {0u, 1u}) {
-                    halves[half][i][c] = filtered(filter, gathered[half], i, c);
-                }
-                for (std::size_t l = 0; l < kLampLanes; ++l) {
-                    indirect_[i][c][l] = 0.5f * (halves[0][i][c][l] + halves[1][i][c][l]);
-                }
-            }
+            indirect_[i][c] = 0.5f * (smooth[0][c] + smooth[1][c]);
         }
     });
 }
@@ -231,39 +277,21 @@ LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
                                                TexelId texel,
                                                const Vec3f& w_v,
                                                double roughness) const {
-    LobeLanes sums;
     const Vec3f& normal = texels[texel].normal;
     const float cos_v = normal.dot(w_v);
-    if (!(cos_v > 0)) return sums;
+    if (!(cos_v > 0)) return {};
     const Vec3f mirror = 2 * cos_v * normal - w_v;
     const auto variance = float(square(roughness));
-    const GatherRows& rows = graph.lobes[view];
-    static const std::vector<CompactLanes> kNone;
-    const std::vector<CompactLanes>& compact = turning_ ? lobe_lanes_[view] : kNone;
-    for (std::size_t k = rows.begin[texel]; k < rows.begin[texel + 1]; ++k) {
-        const GatherHit& hit = rows.hits[k];
-        expect(texels, rows, k + kAhead);
-        const float theta_squared = squared_angle(std::max(0.0f, 1 - mirror.dot(hit.w)));
-        // The three Gaussians are powers of each other.
-        const float twice = exp_of_negative(-0.125f * theta_squared / variance);
-        if (twice < 0.01f) continue;
-        const float same = (twice * twice) * (twice * twice);
-        const float half = (same * same) * (same * same);
-        const float weight = hit.weight / std::max(normal.dot(hit.w), float(kCosineFloor));
-        const Radiance radiance = radiance_of(texels, hit, k, compact);
-        for (std::size_t c = 0; c < 3; ++c) {
-            add_scaled(weight * twice, radiance[c], sums.twice[c]);
-            add_scaled(weight * same, radiance[c], sums.same[c]);
-            add_scaled(weight * half, radiance[c], sums.half[c]);
-        }
-    }
+    const auto sums_over = [&](const auto& sources) {
+        return through_lobe(
+            graph.lobes[view], sources, sources.lobes[view], texels, texel, mirror, variance);
+    };
+    LobeLanes sums = turning_ ? sums_over(turning_sources_) : sums_over(standing_);
     const float scale = 1 / (std::max(cos_v, float(kCosineFloor)) * variance);
     for (std::size_t c = 0; c < 3; ++c) {
-        for (std::size_t l = 0; l < kLampLanes; ++l) {
-            sums.half[c][l] *= 4 * scale;
-            sums.same[c][l] *= scale;
-            sums.twice[c][l] *= 0.25f * scale;
-        }
+        sums.half[c] *= 4 * scale * units_;
+        sums.same[c] *= scale * units_;
+        sums.twice[c] *= 0.25f * scale * units_;
     }
     return sums;
 }

@@ -22,6 +22,12 @@ namespace patina {
 // Indirect light of one lamp block at every texel, per white lamp: irradiance, three channels.
 using IndirectLanes = LargeVector<std::array<Lanes, 3>>;
 
+// What a sweep leaves. Its memory serves the next sweep, of any block.
+struct SweptLight {
+    std::array<IndirectLanes, 2> halves;  // of the two independent halves of the rays, filtered
+    LargeVector<std::array<std::array<Lanes, 3>, 2>> unfiltered;  // the same before the filter
+};
+
 // The maps as a sweep reads them.
 class RadiantTexels {
   public:
@@ -29,23 +35,46 @@ class RadiantTexels {
 
     struct Material {
         Vec3f normal = Vec3f::UnitZ();
-        Rgbf diffuse = Rgbf::Zero();     // Pd / pi [1/sr]
-        float specular = 0;              // Ps / pi [1/sr]
-        float minus_half_precision = 0;  // -1 / (2 sigma^2) [1/rad^2]
-        Rgbf onward = Rgbf::Zero();      // (Pd + Ps A) / pi, for indirect light [1/sr]
+        Rgbf diffuse = Rgbf::Zero();  // Pd / pi [1/sr]
+        float specular = 0;           // Ps / pi [1/sr]
+        Rgbf onward = Rgbf::Zero();   // (Pd + Ps A) / pi, for indirect light [1/sr]
     };
     [[nodiscard]] const Material& operator[](TexelId texel) const { return materials_[texel]; }
+    // -1 / (2 sigma^2) of every texel; 0 where its lobe sends no image of a lamp [1/rad^2]. By
+    // itself, as every hit reads it and all of it fits into a cache.
+    [[nodiscard]] const LargeVector<float>& minus_half_precision() const { return precision_; }
 
   private:
     std::vector<Material> materials_;
+    LargeVector<float> precision_;
+};
+
+// What a hit reads of the texel that it meets, in one line of memory: the radiance that the texel
+// sends evenly, over light_units(), and of its lobe what one lamp block needs.
+struct alignas(64) StandingRow {
+    std::array<CompactLanes, 3> radiance{};
+    CompactLanes image{};  // Ps / pi times LitTexel::over_cosine
+};
+struct alignas(64) TurningRow {
+    std::array<CompactLanes, 3> radiance{};  // of indirect light
+    Rgbf diffuse = Rgbf::Zero();             // Pd / pi, of the hit's own direct light
+    float specular = 0;                      // Ps / pi
+};
+
+// What one lamp block's light is gathered from.
+template <typename Row, typename Hit>
+struct LightSources {
+    LargeVector<Row> texels;
+    LargeVector<Hit> irradiance;          // per hit of GatherGraph::irradiance
+    std::vector<LargeVector<Hit>> lobes;  // per camera view, per hit of GatherGraph::lobes
 };
 
 // Light on one lamp block, with what it needs from sweep to sweep.
 class LampBlockLight {
   public:
-    // turning: whether the lamps turn with the scanner. keeps_hits: whether their light at the hits
-    // stays in memory, or is computed again for each sweep; the same light in either case. Keeps
-    // references to the atlas and to what the surface points to.
+    // turning: whether the lamps turn with the scanner. keeps_hits: whether what is known of them
+    // at the hits stays in memory, or is computed again for each sweep; the same light in either
+    // case. Keeps references to the atlas and to what the surface points to.
     LampBlockLight(const Surface& surface,
                    const TexelAtlas& atlas,
                    const GatherGraph& graph,
@@ -53,12 +82,11 @@ class LampBlockLight {
                    bool turning,
                    bool keeps_hits = true);
 
-    // One sweep. halves: from the two independent halves of the rays, filtered. Their mean is what
-    // the next sweep starts from.
+    // One sweep. The mean of the filtered halves is what the next one starts from.
     void sweep(const GatherGraph& graph,
                const RadiantTexels& texels,
                const SurfaceFilter& filter,
-               std::array<IndirectLanes, 2>& halves);
+               SweptLight& swept);
 
     // After a sweep and its lobes: lets the light at the hits go, unless it is kept.
     void end_sweep();
@@ -82,32 +110,20 @@ class LampBlockLight {
     [[nodiscard]] const LampBlock& lamps() const { return lamps_; }
 
   private:
-    using Radiance = std::array<Lanes, 3>;
-    // Asks for what radiance_of() will read of a hit to come.
-    void expect(const RadiantTexels& texels, const GatherRows& rows, std::size_t hit_index) const;
     void light_hits(const GatherGraph& graph);
-    void add_lobe_of_lamps(const RadiantTexels::Material& material,
-                           const GatherHit& hit,
-                           std::size_t hit_index,
-                           const std::vector<CompactLanes>& compact,
-                           Radiance& radiance) const;
-    // Radiance of the place that was hit towards the gathering texel.
-    [[nodiscard]] Radiance radiance_of(const RadiantTexels& texels,
-                                       const GatherHit& hit,
-                                       std::size_t hit_index,
-                                       const std::vector<CompactLanes>& compact) const;
+    void light_texels(const RadiantTexels& texels);
 
     Surface surface_;
     const TexelAtlas& atlas_;
     LampBlock lamps_;
+    Lanes units_;
     bool turning_;
     bool keeps_hits_;
     bool has_hits_ = false;
-    LitTexels lit_;                                      // standing lamps
-    std::vector<CompactLanes> irradiance_lanes_;         // turning lamps, per hit
-    std::vector<std::vector<CompactLanes>> lobe_lanes_;  // the same, per camera view
-    IndirectLanes indirect_;                             // of the last sweep
-    IndirectLanes radiosity_;                            // over pi, what is sent evenly
+    std::vector<LitTexel> lit_;                             // standing lamps
+    LightSources<StandingRow, StandingHit> standing_;       // empty if they turn
+    LightSources<TurningRow, TurningHit> turning_sources_;  // empty if they stand
+    IndirectLanes indirect_;                                // of the last sweep [light_units()]
 };
 
 }  // namespace patina

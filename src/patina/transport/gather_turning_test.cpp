@@ -136,10 +136,10 @@ TEST_F(FlutedColumnUnderATurningLamp, LaterBouncesComeFromTheAzimuthOfWhatTheyMe
 }
 
 TEST(TurningLamp, IsOneThatStandsWhereTheAzimuthIsZero) {
-    // Every hit's own light is stored in 16 bits, rounded to nearest: 2^-9, relatively. It enters
-    // the lobe's Gaussian exp(-x) by its factor and by x; the mean of x exp(-x) over a lobe is that
-    // of exp(-x), so that the two are worth twice as much in the mean.
-    constexpr double kRounding = 1.0 / 512;
+    // The light of either is stored in 16 bits, rounded to nearest. It enters the lobe's Gaussian
+    // exp(-x) by its factor and by x; the mean of x exp(-x) over a lobe is that of exp(-x), so that
+    // the two are worth twice as much in the mean.
+    constexpr double kRounding = 2 * kCompactRounding;
     const Channel channel;
     std::vector<Light> turning = channel.scene.lights;
     for (Light& light : turning) light.frame = FrameOfReference::scanner;

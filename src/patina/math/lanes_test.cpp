@@ -1,0 +1,45 @@
+#include "patina/math/lanes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace patina {
+namespace {
+
+TEST(CompactFloat, RoundsToElevenBits) {
+    constexpr int kSteps = 1 << 16;
+    for (int i = 0; i < kSteps; ++i) {
+        const auto x = float(std::exp2(-41.0 + 62.9 * i / kSteps));
+        EXPECT_NEAR(double(from_compact(to_compact(x))), double(x), kCompactRounding * double(x));
+    }
+}
+
+TEST(CompactFloat, GivesBackEveryNumberThatItHolds) {
+    // Cuts below 2^10 have the exponent of 0, which stands for 0 alone.
+    for (std::uint32_t cut = 1u << 10; cut <= 0xffffu; ++cut) {
+        EXPECT_EQ(to_compact(from_compact(std::uint16_t(cut))), cut);
+    }
+    EXPECT_EQ(from_compact(0), 0.0f);
+}
+
+TEST(CompactFloat, HoldsWhatIsOutOfRangeAtItsEnds) {
+    EXPECT_EQ(to_compact(0), 0);
+    EXPECT_EQ(to_compact(0.99f * kSmallestCompact), 0);
+    EXPECT_EQ(from_compact(to_compact(kSmallestCompact)), kSmallestCompact);
+    EXPECT_EQ(from_compact(to_compact(kLargestCompact)), kLargestCompact);
+    EXPECT_EQ(from_compact(to_compact(1e30f)), kLargestCompact);
+}
+
+TEST(CompactFloat, IsTheSameInLanes) {
+    const Lanes x = {0.0f, 1e-30f, 1e-6f, 0.1f, 1.0f, 3.14159f, 1e6f, 1e30f};
+    const CompactLanes compact = to_compact(x);
+    const Lanes back = from_compact(compact);
+    for (std::size_t l = 0; l < kLanes; ++l) {
+        EXPECT_EQ(compact[l], to_compact(x[l]));
+        EXPECT_EQ(back[l], from_compact(compact[l]));
+    }
+}
+
+}  // namespace
+}  // namespace patina
