@@ -71,6 +71,7 @@ class GatherEngine final : public IndirectEngine {
     SweptLight swept_;
     std::vector<double> previous_;  // mean indirect light of the texels, last sweep
     double previous_change_ = 0;
+    double spectral_radius_ = 0;  // as last told
 };
 
 }  // namespace patina
