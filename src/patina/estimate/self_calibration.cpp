@@ -1,5 +1,7 @@
 #include "patina/estimate/self_calibration.h"
 
+#include "patina/math/statistics.h"
+
 #include <Eigen/Cholesky>
 
 #include <algorithm>
@@ -10,6 +12,9 @@ namespace {
 // The scores' scatter is taken about what is found, and what is found depends on it; after so many
 // rounds both stand to a thousandth.
 constexpr int kRounds = 8;
+// What is found is believed unless stated errors would be as large once in a million captures: then
+// the residuals tell of something else (surfaces of another kind, a wrong mesh).
+constexpr double kIncredible = 1e-6;
 // Keeps the scores' covariance regular, as a share of its mean [-].
 constexpr double kRegular = 1e-9;
 
@@ -117,6 +122,9 @@ SharedErrors SelfCalibration::solve() const {
         const Eigen::MatrixXd precision = identity + information * gain;
         errors.covariance = (0.5 * (precision + precision.transpose())).ldlt().solve(identity);
         errors.value = errors.covariance * (gain.transpose() * score);
+    }
+    if (chi_square_survival(errors.value.squaredNorm(), double(size)) < kIncredible) {
+        return {Eigen::VectorXd::Zero(size), identity};
     }
     return errors;
 }

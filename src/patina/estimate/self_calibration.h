@@ -46,7 +46,7 @@ class SelfCalibration {
              std::span<const SharedChange> changes);
 
     // The stated errors themselves, 0 with covariance 1, where there are not enough patches to tell
-    // more.
+    // more, or where what they tell is far larger than stated.
     [[nodiscard]] SharedErrors solve() const;
 
   private:

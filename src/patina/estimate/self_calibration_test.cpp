@@ -97,6 +97,14 @@ TEST(SelfCalibration, LeavesWhatIsStatedWhereNothingTells) {
     EXPECT_EQ(few.covariance, Eigen::MatrixXd::Identity(kNumLooks, kNumLooks));
 }
 
+// Residuals that ask for lamps six stated deviations off tell of something else.
+TEST(SelfCalibration, BelievesNothingIncredible) {
+    const Eigen::VectorXd errors = 6 * draw_errors(1).normalized() * std::sqrt(double(kNumLooks));
+    const SharedErrors found = find(errors, SelfCalibration::kNumPatches, 1);
+    EXPECT_EQ(found.value, Eigen::VectorXd::Zero(kNumLooks));
+    EXPECT_EQ(found.covariance, Eigen::MatrixXd::Identity(kNumLooks, kNumLooks));
+}
+
 TEST(SelfCalibration, PatchesCutTheTexelDomain) {
     const TexelAtlas atlas =
         build_atlas(rectangle(Vec3::Zero(), Vec3::UnitX(), Vec3::UnitY()), 64, 32);
