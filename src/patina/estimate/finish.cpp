@@ -220,6 +220,7 @@ class Finisher {
                       const std::vector<FitRow>& rows,
                       const ErrorPropagation& propagation) {
         const Reflectance& fitted = estimate_.maps[i];
+        const double hidden = light_.hidden.empty() ? 0.0 : double(light_.hidden[i]);
         double direct = 0;
         double whole = 0;
         std::vector<Rgb> bias(rows.size());
@@ -233,7 +234,7 @@ class Finisher {
             const Rgb from_lobe =
                 lobe_basis(row, fitted.roughness) - direct_lobe_basis(row, fitted.roughness);
             bias[k] =
-                kIndirectError *
+                std::hypot(kIndirectError, hidden) *
                 (fitted.diffuse * (row.irradiance - from_lamps) + fitted.specular * from_lobe) /
                 kPi;
             if (light_.irradiance.empty()) continue;

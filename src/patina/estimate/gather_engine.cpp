@@ -195,6 +195,7 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
             }
         });
     }
+    light.hidden = graph_.backs_over_fronts;
     light.spectral_radius = spectral_radius_from(std::move(mean));
 }
 

@@ -14,7 +14,9 @@ namespace patina {
 struct IndirectLight {
     std::vector<IndirectIrradiance> irradiance;   // per lamp set
     std::vector<std::vector<IndirectLobe>> lobe;  // per used shot; empty: not wanted
-    double spectral_radius = 0;                   // lambda of the maps [-]
+    // Per texel, what gaps of the scan may hide, relative to the light [-]; empty: not known.
+    std::vector<float> hidden;
+    double spectral_radius = 0;  // lambda of the maps [-]
     bool retraced = false;
 };
 

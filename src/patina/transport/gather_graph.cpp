@@ -7,6 +7,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <numeric>
 
@@ -46,14 +47,17 @@ class GraphTracer {
         return false;
     }
 
-    void trace_irradiance(std::size_t texel, std::vector<GatherHit>& hits) const {
+    // Returns how many rays hit a back.
+    int trace_irradiance(std::size_t texel, std::vector<GatherHit>& hits) const {
         const Frame frame(atlas_.texels[texel].point.normal);
         const float weight = float(kPi / options_.rays);
+        int num_backs = 0;
         for (int k = 0; k < options_.rays; ++k) {
             auto numbers = sampler(texel, std::uint64_t(Stream::irradiance), k);
             const Vec3 w = frame.to_world(square_to_cosine_hemisphere(numbers.next_pair()));
-            trace(texel, w, weight, half_of(k, options_.rays), hits);
+            num_backs += trace(texel, w, weight, half_of(k, options_.rays), hits) == Met::back;
         }
+        return num_backs;
     }
 
     void trace_lobe(std::size_t texel,
@@ -85,6 +89,8 @@ class GraphTracer {
     }
 
   private:
+    enum class Met { nothing, front, back };
+
     // Consecutive points of the sequence are stratified among themselves, so each half is.
     static std::uint32_t half_of(int ray, int rays) { return ray < rays / 2 ? 0u : 1u; }
 
@@ -93,19 +99,21 @@ class GraphTracer {
         return {options_.seed, Pass::gather, element, std::uint32_t(ray)};
     }
 
-    void trace(std::size_t texel,
-               const Vec3& w,
-               float weight,
-               std::uint32_t half,
-               std::vector<GatherHit>& hits) const {
+    Met trace(std::size_t texel,
+              const Vec3& w,
+              float weight,
+              std::uint32_t half,
+              std::vector<GatherHit>& hits) const {
         const SurfacePoint& point = atlas_.texels[texel].point;
-        if (!faces(point, w)) return;
+        if (!faces(point, w)) return Met::nothing;
         const auto hit = surface_.tracer->intersect(surface_.tracer->offset(point, w), w);
-        if (!hit) return;
+        if (!hit) return Met::nothing;
         const SurfacePoint other = surface_point(*surface_.mesh, hit->triangle, hit->barycentric);
-        if (!faces(other, -w)) return;
+        if (other.geometric_normal.dot(w) >= 0) return Met::back;
+        if (!faces(other, -w)) return Met::nothing;
         const TexelId to = atlas_.lookup(*surface_.mesh, hit->triangle, hit->barycentric);
         if (to != kNoTexel) hits.push_back({to, w.cast<float>(), weight, half});
+        return Met::front;
     }
 
     const Surface& surface_;
@@ -171,9 +179,14 @@ GatherGraph trace_gather_graph(const Surface& surface,
     sees_surface = grow(atlas, std::move(sees_surface));
 
     GatherGraph graph;
+    graph.backs_over_fronts.assign(num_texels, 0.0f);
     graph.irradiance =
         make_rows(num_texels, progress, [&](std::size_t i, std::vector<GatherHit>& hits) {
-            if (sees_surface[i] != 0) tracer.trace_irradiance(i, hits);
+            if (sees_surface[i] == 0) return;
+            const std::size_t before = hits.size();
+            const int num_backs = tracer.trace_irradiance(i, hits);
+            graph.backs_over_fronts[i] =
+                float(num_backs) / float(std::max<std::size_t>(1, hits.size() - before));
         });
     const auto num_concave =
         std::accumulate(sees_surface.begin(), sees_surface.end(), std::uint64_t(0));
@@ -218,8 +231,9 @@ GatherHitCount expect_gather_hits(const Surface& surface,
         return ordered_reduce(num_judged, 0.0, hits_of) * double(num_texels) / double(num_judged);
     };
     GatherHitCount count;
-    count.irradiance = expected(
-        [&](std::size_t i, std::vector<GatherHit>& hits) { tracer.trace_irradiance(i, hits); });
+    count.irradiance = expected([&](std::size_t i, std::vector<GatherHit>& hits) {
+        static_cast<void>(tracer.trace_irradiance(i, hits));
+    });
     for (std::size_t view = 0; view < views.size(); ++view) {
         count.lobes.push_back(expected([&](std::size_t i, std::vector<GatherHit>& hits) {
             const Vec3f& w_v = views[view][i];

@@ -47,12 +47,15 @@ using ViewDirections = std::vector<Vec3f>;
 struct GatherGraph {
     GatherRows irradiance;
     std::vector<GatherRows> lobes;  // per camera view
-    std::uint64_t num_rays = 0;     // that were traced
+    // Per texel: how many irradiance rays hit the back of a surface, over those that hit a front
+    // (at least 1). Rays that meet a back have passed through a gap: where a scan saw nothing.
+    std::vector<float> backs_over_fronts;
+    std::uint64_t num_rays = 0;  // that were traced
 };
 
 // Raised with every change of the rays or of what is kept of them: saved graphs of other versions
 // are not used.
-inline constexpr std::uint64_t kGatherGraphVersion = 1;
+inline constexpr std::uint64_t kGatherGraphVersion = 2;
 
 // Texels around which a first handful of rays meets nothing count as convex and get no more rays.
 // views: per camera, one direction per texel (unit, towards the camera).

@@ -72,6 +72,8 @@ class GraphReader {
         }
         GatherGraph graph;
         graph.num_rays = header.num_rays;
+        graph.backs_over_fronts.resize(header.num_texels);
+        if (!read_bytes(bytes_of(graph.backs_over_fronts))) return std::nullopt;
         if (!read_rows(header.num_texels, num_hits[0], graph.irradiance)) return std::nullopt;
         for (std::size_t view = 0; view < header.num_views; ++view) {
             GatherRows& rows = graph.lobes.emplace_back();
@@ -127,6 +129,7 @@ class GraphWriter {
         std::vector<std::uint64_t> num_hits = {graph.irradiance.hits.size()};
         for (const GatherRows& rows : graph.lobes) num_hits.push_back(rows.hits.size());
         write_bytes(bytes_of(num_hits));
+        write_bytes(std::as_bytes(std::span(graph.backs_over_fronts)));
         write_rows(graph.irradiance);
         for (const GatherRows& rows : graph.lobes) write_rows(rows);
         const Hash128 hash = hasher_.hash();
