@@ -129,6 +129,9 @@ class Looks {
   private:
     [[nodiscard]] std::array<Rgb, 2> light_gradient(const Observation& look) const {
         const std::vector<TexelView>& views = scene_.views[scene_.camera_of_shot[look.shot]];
+        const Shot& shot = capture_.description.shots[scene_.shots[look.shot]];
+        const bool is_registered =
+            capture_.description.cameras[shot.camera].model == CameraModel::registered;
         // Sums over texels of (1, step)(1, step)' and of (1, step) radiance'.
         Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
         Eigen::Matrix3d change = Eigen::Matrix3d::Zero();
@@ -136,9 +139,13 @@ class Looks {
             const std::optional<Rgb> there = direct_radiance_of(neighbor, look, views[neighbor]);
             if (!there) continue;
             Vec2 step = (views[neighbor].pixel - views[index_].pixel).cast<double>();
-            // Registered images of a full turn have no first column.
-            if (capture_.atlas.wraps_around) {
-                step.x() = std::remainder(step.x(), double(capture_.atlas.width));
+            if (is_registered) {
+                // Those of a full turn have no first column; across a seam of the texel domain
+                // they show other places.
+                if (capture_.atlas.wraps_around) {
+                    step.x() = std::remainder(step.x(), double(capture_.atlas.width));
+                }
+                if (step.norm() > kGradientRings + 0.5) continue;
             }
             const Vec3 one_and_step(1, step.x(), step.y());
             spread += one_and_step * one_and_step.transpose();

@@ -65,7 +65,8 @@ void SelfCalibration::add(std::size_t patch,
                           std::span<const FitRow> rows,
                           const ErrorPropagation& propagation,
                           std::span<const SharedChange> changes) {
-    if (changes.empty()) return;
+    // More unknowns than patches: nothing will be told, so no memory is taken.
+    if (changes.empty() || num_errors_ + 2 >= kNumPatches) return;
     const auto size = Eigen::Index(num_errors_);
     auto& [score, information] = patches_[patch];
     if (score.size() == 0) {
