@@ -101,7 +101,9 @@ class Iteration {
     }
 
     [[nodiscard]] Estimate finish() {
+        progress_.begin_stage("standard errors");
         finish_estimate(capture_, scene_, observations_, indirect_, fits_, {}, result_);
+        progress_.end_stage();
         return std::move(result_);
     }
 
@@ -131,7 +133,7 @@ class Iteration {
         TurnSums total;
         for (const TurnSums& block : sums) total += block;
         if (!settled) update_noise_scale();
-        drop_unconfirmed(capture_.atlas, fits_);
+        refit_unconfirmed(light, drop_unconfirmed(capture_.atlas, fits_));
         fill_unmeasured(light);
 
         IterationLog log;
@@ -162,10 +164,15 @@ class Iteration {
                          : classify_by_angle(rows[k], options_.fit);
             if (settled && stored[k] != previous) joint = true;
         }
-        for (std::size_t k = 0; k < rows.size(); ++k) {
-            rows[k].pixel_class = joint ? PixelClass::neither : stored[k];
-        }
+        set_classes(texel, rows);
         if (!has_diffuse_row(rows)) joint = true;
+    }
+
+    void set_classes(std::size_t texel, std::vector<FitRow>& rows) const {
+        const PixelClass* const stored = classes_.data() + observations_.begin[texel];
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            rows[k].pixel_class = fits_[texel].joint ? PixelClass::neither : stored[k];
+        }
     }
 
     void update_noise_scale() {
@@ -213,6 +220,19 @@ class Iteration {
             Reflectance& fit = fits_[i].reflectance;
             fit.specular = values[i] / square(fit.roughness);
         }
+    }
+
+    // Texels whose lobe was taken back: Pd again, with the lobe that they are filled with.
+    void refit_unconfirmed(const IndirectLight& light, const std::vector<std::uint8_t>& dropped) {
+        parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
+            std::vector<FitRow> rows;
+            for (std::size_t i = begin; i < end; ++i) {
+                if (dropped[i] == 0) continue;
+                rows_.make(i, light, result_.maps[i], rows);
+                set_classes(i, rows);
+                fits_[i].reflectance.diffuse = fit_diffuse(rows, result_.maps[i], options_.fit);
+            }
+        });
     }
 
     // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.

@@ -182,7 +182,7 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
     });
     if (!frozen) {
         update_noise_scale();
-        drop_unconfirmed(atlas_, fits_);
+        refit_unconfirmed(light, drop_unconfirmed(atlas_, fits_));
         make_guide();
     }
     fill_unmeasured(light);
@@ -239,7 +239,13 @@ void GatherIteration::weigh_outliers(const JointFit& joint,
                                      std::vector<double>& misfits) {
     const std::span<float> factors = robust(i);
     if (factors.size() < kMinLooksForOutliers) return;
-    joint.misfits(fits_[i].reflectance, misfits);
+    const TexelFit& fit = fits_[i];
+    Reflectance shown = fit.reflectance;
+    if (!fit.specular_measured) {
+        shown.specular = result_.maps[i].specular;
+        shown.roughness = result_.maps[i].roughness;
+    }
+    joint.misfits(shown, misfits);
     for (std::size_t k = 0; k < misfits.size(); ++k) {
         misfits[k] = std::sqrt(misfits[k] / double(factors[k]));
     }
@@ -337,6 +343,22 @@ void GatherIteration::refit_matte(const IndirectLight& light) {
             make_rows(i, light, rows);
             joint.load(rows);
             fit.reflectance = joint.solve_at(fit.reflectance.roughness);
+        }
+    });
+}
+
+// Texels whose lobe was taken back: Pd again, with the lobe that they are filled with.
+void GatherIteration::refit_unconfirmed(const IndirectLight& light,
+                                        const std::vector<std::uint8_t>& dropped) {
+    parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
+        std::vector<FitRow> rows;
+        JointFit joint;
+        for (std::size_t i = begin; i < end; ++i) {
+            if (dropped[i] == 0) continue;
+            make_rows(i, light, rows);
+            joint.load(rows);
+            fits_[i].reflectance.diffuse =
+                joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
         }
     });
 }

@@ -83,6 +83,7 @@ class GatherIteration {
     void fill_roughness(std::vector<float>& confidence, std::vector<double>& values);
     void fill_specular(std::vector<float>& confidence, std::vector<double>& values);
     void refit_matte(const IndirectLight& light);
+    void refit_unconfirmed(const IndirectLight& light, const std::vector<std::uint8_t>& dropped);
     double update_maps();
 
     const Capture& capture_;

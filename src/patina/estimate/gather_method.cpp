@@ -45,7 +45,9 @@ Estimate iterate(const Capture& capture,
         iteration.set_shared_lobe(lobe->specular_albedo);
         iteration.run(engine, progress);
     }
+    progress.begin_stage("standard errors");
     Estimate estimate = iteration.finish();
+    progress.end_stage();
     estimate.shared_lobe = lobe;
     for (IterationLog& turn : estimate.iterations) turn.error *= square(lamp_factor);
     return estimate;

@@ -13,12 +13,15 @@ constexpr std::size_t kVector = 8;
 constexpr int kRoughnessGrid = 14;
 // The errors-in-variables term never takes away more than this share of the information.
 constexpr double kMaxNoiseShare = 0.5;
-// First bracket about a sigma that is known from the last turn, and how often it may double
-// [log rad].
-constexpr double kWarmStep = 0.06;
-constexpr int kWarmSteps = 3;
-// The search ends when the next point is this close [log rad].
+// Gauss-Newton steps about a sigma that is known nearly [log rad]: none is longer than this, each
+// is shorter than the one before by this factor, and there are at most so many.
+constexpr double kLongestStep = 0.3;
+constexpr double kLeastContraction = 0.7;
+constexpr int kMaxSteps = 8;
+// The search ends when the next point is this close: a length [log rad], and a share of the
+// standard error that noise of weight 1 leaves.
 constexpr double kLogTolerance = 1e-4;
+constexpr double kErrorTolerance = 0.01;
 constexpr int kMaxRefinements = 12;
 
 template <typename Cost>
@@ -50,10 +53,12 @@ void JointFit::load(std::span<const FitRow> rows) {
     spread_along_.assign(padded_terms, 0.0f);
     spread_across_.assign(padded_terms, 0.0f);
     gaussian_.assign(padded_terms, 0.0f);
+    gaussian_slope_.assign(padded_terms, 0.0f);
     row_of_term_.clear();
     for (std::size_t c = 0; c < 3; ++c) {
         amplitude_[c].assign(padded_terms, 0.0f);
-        for (Lanes* lanes : {&weight_[c], &irradiance_[c], &radiance_[c], &basis_[c]}) {
+        for (Lanes* lanes :
+             {&weight_[c], &irradiance_[c], &radiance_[c], &basis_[c], &basis_slope_[c]}) {
             lanes->assign(num_lanes_, 0.0f);
         }
         if (!has_indirect_) continue;
@@ -126,6 +131,41 @@ void JointFit::basis_at(double roughness) const {
     }
 }
 
+// After basis_at() of the same sigma.
+void JointFit::slope_at(double roughness) const {
+    const auto variance = float(square(roughness));
+    // The logarithm of spread_gaussian(), with 2 variance for its derivative in log sigma.
+    for (std::size_t t = 0; t < theta_squared_.size(); ++t) {
+        const float along = variance / (variance + spread_along_[t]);
+        const float across = variance / (variance + spread_across_[t]);
+        gaussian_slope_[t] =
+            gaussian_[t] * (2.0f - along - across + theta_squared_[t] / variance * (along * along));
+    }
+    const double octave = std::log2(roughness / indirect_roughness_);
+    const auto clamped = float(std::clamp(octave, -1.0, 1.0));
+    const auto by_log = float(std::abs(octave) < 1 ? 1 / std::log(2.0) : 0.0);
+    for (std::size_t c = 0; c < 3; ++c) {
+        Lanes& slope = basis_slope_[c];
+        if (one_lamp_each_) {
+            for (std::size_t l = 0; l < num_lanes_; ++l) {
+                slope[l] = amplitude_[c][l] * gaussian_slope_[l];
+            }
+        } else {
+            std::fill(slope.begin(), slope.end(), 0.0f);
+            for (std::size_t t = 0; t < row_of_term_.size(); ++t) {
+                slope[row_of_term_[t]] += amplitude_[c][t] * gaussian_slope_[t];
+            }
+        }
+        if (!has_indirect_) continue;
+        for (std::size_t l = 0; l < num_lanes_; ++l) {
+            const float over_square =
+                same_[c][l] + clamped * (slope_[c][l] + clamped * bend_[c][l]);
+            const float rise = by_log * (slope_[c][l] + 2.0f * clamped * bend_[c][l]);
+            slope[l] += over_square > 0.0f ? variance * (2.0f * over_square + rise) : 0.0f;
+        }
+    }
+}
+
 JointFit::Sums JointFit::sums_at(double roughness) const {
     basis_at(roughness);
     Sums sums;
@@ -170,54 +210,87 @@ double JointFit::cost_at(double log_roughness) const {
         .sum();
 }
 
+std::optional<JointFit::Step> JointFit::step_at(double log_roughness) const {
+    const double roughness = std::exp(log_roughness);
+    const Sums sums = sums_at(roughness);
+    const double ps = specular_of(sums);
+    if (!(ps > 0)) return std::nullopt;
+    const Rgb pd = diffuse_of(sums, ps);
+    slope_at(roughness);
+    // At the best Pd and Ps for this sigma the derivative of the cost is that by sigma alone; its
+    // second one is taken without what Pd and Ps can make up for (Kaufman's approximation).
+    double descent = 0;
+    Rgb hs = Rgb::Zero(), bs = Rgb::Zero(), ss = Rgb::Zero();
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto i = static_cast<Eigen::Index>(c);
+        const auto diffuse = float(pd[i]);
+        const auto specular = float(ps);
+        std::array<float, kVector> rs_lanes{}, hs_lanes{}, bs_lanes{}, ss_lanes{};
+        for (std::size_t begin = 0; begin < num_lanes_; begin += kVector) {
+            for (std::size_t l = 0; l < kVector; ++l) {
+                const std::size_t r = begin + l;
+                const float ws = weight_[c][r] * basis_slope_[c][r];
+                rs_lanes[l] +=
+                    ws * (radiance_[c][r] - diffuse * irradiance_[c][r] - specular * basis_[c][r]);
+                hs_lanes[l] += ws * irradiance_[c][r];
+                bs_lanes[l] += ws * basis_[c][r];
+                ss_lanes[l] += ws * basis_slope_[c][r];
+            }
+        }
+        for (std::size_t l = 0; l < kVector; ++l) {
+            descent += double(rs_lanes[l]);
+            hs[i] += double(hs_lanes[l]);
+            bs[i] += double(bs_lanes[l]);
+            ss[i] += double(ss_lanes[l]);
+        }
+    }
+    const Rgb inverse = (hh_ > 0).select(1 / hh_, 0.0);
+    const double of_specular = (sums.bb - sums.hb * sums.hb * inverse).sum();
+    const double shared = (bs - sums.hb * hs * inverse).sum();
+    const double curvature = (ss - hs * hs * inverse).sum() - square(shared) / of_specular;
+    if (!(curvature > 0)) return std::nullopt;
+    return Step{std::clamp(descent / (ps * curvature), -kLongestStep, kLongestStep),
+                1 / (ps * std::sqrt(curvature))};
+}
+
+std::optional<double> JointFit::descend(double start, double low, double high) const {
+    double x = std::clamp(start, low, high);
+    double allowed = kLongestStep;
+    for (int k = 0; k < kMaxSteps; ++k) {
+        const std::optional<Step> step = step_at(x);
+        if (!step) return std::nullopt;
+        const double length = std::abs(step->length);
+        if (length > allowed) return std::nullopt;
+        const double before = x;
+        x = std::clamp(x + step->length, low, high);
+        if (std::abs(x - before) < std::max(kLogTolerance, kErrorTolerance * step->error)) return x;
+        if (length < kLongestStep) allowed = kLeastContraction * length;
+    }
+    return std::nullopt;
+}
+
 Reflectance JointFit::solve(const FitOptions& options, double start) const {
     const double low = std::log(options.min_roughness);
     const double high = std::log(options.max_roughness);
-    const auto cost = [this](double x) { return cost_at(x); };
-    double best = 0;
-    bool found = false;
     if (start > 0) {
-        double step = kWarmStep;
-        const double x = std::clamp(std::log(start), low, high);
-        Bracket bracket{x - step, x, x + step, cost(x - step), cost(x), cost(x + step)};
-        for (int k = 0; k < kWarmSteps; ++k) {
-            if (bracket.cost_middle <= std::min(bracket.cost_low, bracket.cost_high)) break;
-            // Downhill, in steps that double.
-            step *= 2;
-            if (bracket.cost_low < bracket.cost_high) {
-                const double next = bracket.low - step;
-                bracket = {next,
-                           bracket.low,
-                           bracket.middle,
-                           cost(next),
-                           bracket.cost_low,
-                           bracket.cost_middle};
-            } else {
-                const double next = bracket.high + step;
-                bracket = {bracket.middle,
-                           bracket.high,
-                           next,
-                           bracket.cost_middle,
-                           bracket.cost_high,
-                           cost(next)};
-            }
-        }
-        found = bracket.cost_middle <= std::min(bracket.cost_low, bracket.cost_high);
-        if (found) best = refine(bracket, cost);
+        const std::optional<double> found = descend(std::log(start), low, high);
+        if (found) return solve_at(std::exp(*found));
     }
-    if (!found) {
-        const double step = (high - low) / (kRoughnessGrid - 1);
-        std::array<double, kRoughnessGrid> costs;
-        for (int i = 0; i < kRoughnessGrid; ++i) costs[std::size_t(i)] = cost(low + i * step);
-        const auto lowest = std::min_element(costs.begin(), costs.end()) - costs.begin();
-        best = low + double(lowest) * step;
-        if (lowest > 0 && lowest + 1 < kRoughnessGrid) {
-            const auto i = std::size_t(lowest);
-            best = refine({best - step, best, best + step, costs[i - 1], costs[i], costs[i + 1]},
-                          cost);
-        }
+    const auto cost = [this](double x) { return cost_at(x); };
+    const double step = (high - low) / (kRoughnessGrid - 1);
+    std::array<double, kRoughnessGrid> costs;
+    for (int i = 0; i < kRoughnessGrid; ++i) costs[std::size_t(i)] = cost(low + i * step);
+    const auto lowest = std::min_element(costs.begin(), costs.end()) - costs.begin();
+    double best = low + double(lowest) * step;
+    if (lowest > 0 && lowest + 1 < kRoughnessGrid) {
+        const std::optional<double> found = descend(best, best - step, best + step);
+        const auto i = std::size_t(lowest);
+        best = found
+                   ? *found
+                   : refine({best - step, best, best + step, costs[i - 1], costs[i], costs[i + 1]},
+                            cost);
     }
-    return solve_at(std::exp(std::clamp(best, low, high)));
+    return solve_at(std::exp(best));
 }
 
 Reflectance JointFit::solve_at(double roughness) const {

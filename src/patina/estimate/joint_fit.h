@@ -8,6 +8,7 @@
 #include "patina/estimate/texel_fit.h"
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -39,10 +40,20 @@ class JointFit {
         Rgb hb = Rgb::Zero(), bb = Rgb::Zero(), bo = Rgb::Zero();
     };
     void basis_at(double roughness) const;  // fills basis_
+    void slope_at(double roughness) const;  // fills basis_slope_, after basis_at()
     [[nodiscard]] Sums sums_at(double roughness) const;
     [[nodiscard]] double specular_of(const Sums& sums) const;
     [[nodiscard]] Rgb diffuse_of(const Sums& sums, double specular) const;
     [[nodiscard]] double cost_at(double log_roughness) const;
+    // One Gauss-Newton step of log sigma towards the least cost.
+    struct Step {
+        double length = 0;
+        double error = 0;  // standard error of log sigma at weights of 1 / variance
+    };
+    // Nothing where the best Ps is 0.
+    [[nodiscard]] std::optional<Step> step_at(double log_roughness) const;
+    // Such steps from `start`; nothing where they do not come to rest. All in [log rad].
+    [[nodiscard]] std::optional<double> descend(double start, double low, double high) const;
 
     std::size_t num_rows_ = 0;
     std::size_t num_lanes_ = 0;
@@ -56,8 +67,9 @@ class JointFit {
     // Per row.
     std::array<Lanes, 3> weight_, irradiance_, radiance_;  // irradiance over pi
     std::array<Lanes, 3> same_, slope_, bend_;             // of the indirect lobe, over pi
-    mutable std::array<Lanes, 3> basis_;
-    mutable Lanes gaussian_;
+    mutable std::array<Lanes, 3> basis_;                   // of the lobe, per Ps
+    mutable std::array<Lanes, 3> basis_slope_;             // its derivative in log sigma
+    mutable Lanes gaussian_, gaussian_slope_;
     Rgb hh_ = Rgb::Zero(), ho_ = Rgb::Zero(), oo_ = Rgb::Zero();
 };
 

@@ -123,7 +123,7 @@ void MapChange::move(Reflectance& map, const Reflectance& next) {
     map = held;
 }
 
-void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
+std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
     constexpr double kLargestFactor = 2.0;
     const auto specular_albedo = [&fits](std::size_t i) {
         return fits[i].reflectance.specular * square(fits[i].reflectance.roughness);
@@ -150,6 +150,7 @@ void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
         if (dropped[i] != 0) fits[i].specular_measured = fits[i].roughness_measured = false;
     }
+    return dropped;
 }
 
 }  // namespace patina

@@ -3,7 +3,9 @@
 
 #include "patina/estimate/texel_fit.h"
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 namespace patina {
 
@@ -66,7 +68,8 @@ struct MapChange {
 // Takes back the measurements that their neighbours do not confirm: a lobe counts as measured only
 // if half of the observed texels around it have one of a specular albedo within a factor of two (or
 // are matte as it is). A stray fit would otherwise be spread along its whole row and column by the
-// filling. fits: one per texel of the atlas.
-void drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits);
+// filling. fits: one per texel of the atlas. Returns for each whether its measurement was taken
+// back: its Pd is then still that of the stray lobe.
+std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits);
 
 }  // namespace patina
