@@ -64,8 +64,7 @@ SobolSampler::SobolSampler(std::uint64_t seed,
     : element_hash_(sobol_element_hash(seed, pass, element)), sample_index_(sample_index) {}
 
 std::array<double, 2> SobolSampler::next_pair() {
-    const auto [x, y] = sobol_pair(sobol_scramble(element_hash_, ++pair_), sample_index_);
-    return {x * kTwoToMinus32, y * kTwoToMinus32};
+    return sobol_point(sobol_scramble(element_hash_, ++pair_), sample_index_);
 }
 
 }  // namespace patina

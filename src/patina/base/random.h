@@ -108,6 +108,13 @@ struct SobolScramble {
             reverse_bits(laine_karras(second, scramble.second))};
 }
 
+// The same, each in [0, 1).
+[[nodiscard]] inline std::array<double, 2> sobol_point(const SobolScramble& scramble,
+                                                       std::uint32_t sample_index) {
+    const auto [x, y] = sobol_pair(scramble, sample_index);
+    return {x * 0x1p-32, y * 0x1p-32};
+}
+
 // Pairs of Owen-scrambled Sobol numbers for one element: sample `sample_index` of a (0,2)-sequence
 // whose scrambling and order depend on (seed, element, pair). Unbiased for any number of samples;
 // best for powers of two.

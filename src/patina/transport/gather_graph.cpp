@@ -38,9 +38,9 @@ class GraphTracer {
     [[nodiscard]] bool probe_hits(std::size_t texel) const {
         const SurfacePoint& point = atlas_.texels[texel].point;
         const Frame frame(point.normal);
+        const PairSequence pairs(*this, texel, std::uint64_t(Stream::probe));
         for (int k = 0; k < kProbeRays; ++k) {
-            auto numbers = sampler(texel, std::uint64_t(Stream::probe), k);
-            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(numbers.next_pair()));
+            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(pairs.at(k)));
             if (point.geometric_normal.dot(w) <= 0) continue;
             if (surface_.tracer->occluded(surface_.tracer->offset(point, w), w)) return true;
         }
@@ -52,9 +52,9 @@ class GraphTracer {
         const Frame frame(atlas_.texels[texel].point.normal);
         const float weight = float(kPi / options_.rays);
         int num_backs = 0;
+        const PairSequence pairs(*this, texel, std::uint64_t(Stream::irradiance));
         for (int k = 0; k < options_.rays; ++k) {
-            auto numbers = sampler(texel, std::uint64_t(Stream::irradiance), k);
-            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(numbers.next_pair()));
+            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(pairs.at(k)));
             num_backs += trace(texel, w, weight, half_of(k, options_.rays), hits) == Met::back;
         }
         return num_backs;
@@ -71,10 +71,10 @@ class GraphTracer {
         const Frame about_normal(normal);
         const Frame about_mirror(mirror);
         const double kappa = 1 / square(options_.lobe_spread);
+        const PairSequence pairs(*this, texel, std::uint64_t(Stream::first_view) + view);
         for (int k = 0; k < options_.lobe_rays; ++k) {
-            auto numbers = sampler(texel, std::uint64_t(Stream::first_view) + view, k);
             const bool is_defensive = k % kDefensiveShare == 0;
-            const auto u = numbers.next_pair();
+            const auto u = pairs.at(k);
             const Vec3 w = is_defensive
                                ? about_normal.to_world(square_to_cosine_hemisphere(u))
                                : about_mirror.to_world(square_to_von_mises_fisher(u, kappa));
@@ -94,10 +94,23 @@ class GraphTracer {
     // Consecutive points of the sequence are stratified among themselves, so each half is.
     static std::uint32_t half_of(int ray, int rays) { return ray < rays / 2 ? 0u : 1u; }
 
-    [[nodiscard]] SobolSampler sampler(std::size_t texel, std::uint64_t stream, int ray) const {
-        const std::uint64_t element = stream * atlas_.texels.size() + texel;
-        return {options_.seed, Pass::gather, element, std::uint32_t(ray)};
-    }
+    // The first pairs of the SobolSamplers of one texel's rays, which have their scrambling in
+    // common.
+    class PairSequence {
+      public:
+        PairSequence(const GraphTracer& tracer, std::size_t texel, std::uint64_t stream)
+            : scramble_(
+                  sobol_scramble(sobol_element_hash(tracer.options_.seed,
+                                                    Pass::gather,
+                                                    stream * tracer.atlas_.texels.size() + texel),
+                                 1)) {}
+        [[nodiscard]] std::array<double, 2> at(int ray) const {
+            return sobol_point(scramble_, std::uint32_t(ray));
+        }
+
+      private:
+        SobolScramble scramble_;
+    };
 
     Met trace(std::size_t texel,
               const Vec3& w,

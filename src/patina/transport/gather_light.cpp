@@ -3,6 +3,7 @@
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
 #include "patina/reflectance/lobe_lanes.h"
+#include "patina/scene/light_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,6 +19,68 @@ constexpr std::size_t kJudgedTexels = 1024;
 struct alignas(64) LampDirections {
     std::array<Lanes, 3> w{};
     Vec3f normal = Vec3f::UnitZ();
+};
+
+// What the lamps of a block send to a point.
+struct LampsAtPoint {
+    std::array<Lanes, 3> w{};  // unit, towards the lamps
+    Lanes cos_i{};
+    Lanes strength{};  // see LaneLightSample; 0 where a lamp is not there or does not shine
+};
+
+// Lamps that turn with the scanner, with their shadows.
+class TurningLamps {
+  public:
+    explicit TurningLamps(const LampBlock& lamps) {
+        for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
+            lights_[lamp] = lane_light(*lamps.lights[lamp]);
+            is_on_[lamp] = lamp_color(*lamps.lights[lamp]).maxCoeff() > 0 ? 1 : 0;
+        }
+    }
+
+    // azimuth: of the scanner [rad].
+    [[nodiscard]] LampsAtPoint shine(const Surface& surface,
+                                     const SurfacePoint& point,
+                                     double azimuth) const {
+        using RayArray = std::array<float, kLampLanes>;
+        const double turns = azimuth / (2 * kPi);
+        const auto turn = float(turns - std::floor(turns));
+        const Vec3f p = point.position.cast<float>();
+        const Vec3f normal = point.normal.cast<float>();
+        const Vec3f geometric = point.geometric_normal.cast<float>();
+        std::array<RayArray, 3> w;
+        RayArray cos_i, strength, distance;
+        std::array<std::int32_t, kLampLanes> lit;
+        for (std::size_t l = 0; l < kLampLanes; ++l) {
+            const LaneLightSample sample = sample_lane_light(lights_[l], p.x(), p.y(), p.z(), turn);
+            w[0][l] = sample.x;
+            w[1][l] = sample.y;
+            w[2][l] = sample.z;
+            cos_i[l] = normal.x() * sample.x + normal.y() * sample.y + normal.z() * sample.z;
+            const float departing =
+                geometric.x() * sample.x + geometric.y() * sample.y + geometric.z() * sample.z;
+            strength[l] = sample.strength;
+            distance[l] = sample.distance;
+            lit[l] = -(is_on_[l] & std::int32_t(cos_i[l] > 0) & std::int32_t(departing > 0) &
+                       std::int32_t(strength[l] > 0));
+        }
+        const Vec3f origin = surface.tracer->offset(point, point.geometric_normal).cast<float>();
+        std::array<RayArray, 3> origins;
+        for (std::size_t c = 0; c < 3; ++c) origins[c].fill(origin[Eigen::Index(c)]);
+        surface.tracer->lit_lanes(
+            {{origins[0], origins[1], origins[2]}, {w[0], w[1], w[2]}, lit}, distance, lit);
+        LampsAtPoint at;
+        for (std::size_t l = 0; l < kLampLanes; ++l) {
+            for (std::size_t c = 0; c < 3; ++c) at.w[c][l] = w[c][l];
+            at.cos_i[l] = lit[l] != 0 ? cos_i[l] : 0.0f;
+            at.strength[l] = lit[l] != 0 ? strength[l] : 0.0f;
+        }
+        return at;
+    }
+
+  private:
+    std::array<LaneLight, kLampLanes> lights_;
+    std::array<std::int32_t, kLampLanes> is_on_{};
 };
 
 }  // namespace
@@ -92,32 +155,25 @@ LargeVector<TurningHit> turning_hits(const Surface& surface,
                                      const LampBlock& lamps,
                                      const Lanes& units,
                                      const GatherRows& rows) {
+    const TurningLamps turning(lamps);
     LargeVector<TurningHit> hits(rows.hits.size());
     parallel_for(atlas.texels.size(), [&](std::size_t i) {
         for (std::size_t k = rows.begin[i]; k < rows.begin[i + 1]; ++k) {
-            const GatherHit& hit = rows.hits[k];
-            const SurfacePoint& point = atlas.texels[hit.to].point;
-            const Vec3 w_o = -hit.w.cast<double>();
-            const double cos_o = point.normal.dot(w_o);
-            for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
-                const Light& light = *lamps.lights[lamp];
-                const LightSample sample =
-                    sample_light(light, point.position, atlas.texels[i].azimuth);
-                const double color = lamp_color(light).maxCoeff();
-                const double cos_i = point.normal.dot(sample.w_i);
-                if (!(color > 0) || !(sample.irradiance > 0).any() ||
-                    !is_lit(surface, point, sample)) {
-                    continue;
-                }
-                const double irradiance =
-                    sample.irradiance.maxCoeff() / color * cos_i / double(units[lamp]);
-                const double mirror_cosine = 2 * cos_i * cos_o - sample.w_i.dot(w_o);
-                hits[k].irradiance[lamp] = to_compact(float(irradiance));
-                hits[k].over_cosine[lamp] = to_compact(float(
-                    irradiance / (std::max(cos_i, kCosineFloor) * std::max(cos_o, kCosineFloor))));
-                hits[k].theta_squared[lamp] =
-                    to_compact(squared_angle(float(std::max(0.0, 1 - mirror_cosine))));
-            }
+            const Vec3f w_o = -rows.hits[k].w;
+            const SurfacePoint& point = atlas.texels[rows.hits[k].to].point;
+            const LampsAtPoint at = turning.shine(surface, point, atlas.texels[i].azimuth);
+            const Vec3f normal = point.normal.cast<float>();
+            const Lanes irradiance = at.strength * at.cos_i / units;
+            const float cos_o = normal.dot(w_o);
+            const Lanes lowest = Lanes{} + float(kCosineFloor);
+            const Lanes floored = at.cos_i < lowest ? lowest : at.cos_i;
+            const Lanes versine =
+                1.0f - (2.0f * cos_o * at.cos_i -
+                        (w_o.x() * at.w[0] + w_o.y() * at.w[1] + w_o.z() * at.w[2]));
+            hits[k].irradiance = to_compact(irradiance);
+            hits[k].over_cosine =
+                to_compact(irradiance / (floored * std::max(cos_o, float(kCosineFloor))));
+            hits[k].theta_squared = to_compact(squared_angle(versine < 0.0f ? Lanes{} : versine));
         }
     });
     return hits;
