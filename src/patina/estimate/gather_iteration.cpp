@@ -16,6 +16,9 @@ constexpr int kDirectTurns = 2;
 // After so many turns what counts as measured, the weights of outliers and the guide of the filling
 // stay as they are, so that the iteration comes to rest.
 constexpr int kFreezeAfter = 4;
+// What is filled is solved to this share of the last turn's change, at most so roughly.
+constexpr double kFillShare = 0.01;
+constexpr double kRoughestFill = 1e-3;
 constexpr double kInitialRoughness = 0.2;  // [rad]
 // A look whose residual is more standard deviations away than this counts for less (Huber's
 // weight).
@@ -185,7 +188,9 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
         refit_unconfirmed(light, drop_unconfirmed(atlas_, fits_));
         make_guide();
     }
-    fill_unmeasured(light);
+    const double last_change = result_.iterations.empty() ? 1 : result_.iterations.back().change;
+    fill_unmeasured(
+        light, std::clamp(kFillShare * last_change, LinkSolverOptions().tolerance, kRoughestFill));
 
     IterationLog log;
     log.stage = stage;
@@ -275,7 +280,7 @@ void GatherIteration::make_guide() {
     color_fill_.emplace(atlas_, diffuse);
 }
 
-void GatherIteration::fill_unmeasured(const IndirectLight& light) {
+void GatherIteration::fill_unmeasured(const IndirectLight& light, double tolerance) {
     std::vector<float> confidence(num_texels_);
     std::vector<double> values(num_texels_);
     for (const Eigen::Index channel : {0, 1, 2}) {
@@ -284,19 +289,21 @@ void GatherIteration::fill_unmeasured(const IndirectLight& light) {
             values[i] = fits_[i].observed ? fits_[i].reflectance.diffuse[channel]
                                           : result_.maps[i].diffuse[channel];
         }
-        geometry_fill_.fill(confidence, 0, values);
+        geometry_fill_.fill(confidence, 0, values, tolerance);
         for (std::size_t i = 0; i < num_texels_; ++i) {
             fits_[i].reflectance.diffuse[channel] = values[i];
         }
     }
     if (!is_held()) {
-        fill_roughness(confidence, values);
+        fill_roughness(tolerance, confidence, values);
         refit_matte(light);
     }
-    fill_specular(confidence, values);
+    fill_specular(tolerance, confidence, values);
 }
 
-void GatherIteration::fill_roughness(std::vector<float>& confidence, std::vector<double>& values) {
+void GatherIteration::fill_roughness(double tolerance,
+                                     std::vector<float>& confidence,
+                                     std::vector<double>& values) {
     for (std::size_t i = 0; i < num_texels_; ++i) {
         const TexelFit& fit = fits_[i];
         const bool known = fit.observed && fit.roughness_measured;
@@ -304,7 +311,7 @@ void GatherIteration::fill_roughness(std::vector<float>& confidence, std::vector
             known ? confidence_of(fit.roughness_error, fit.reflectance.roughness) : 0.0f;
         values[i] = std::log(known ? fit.reflectance.roughness : result_.maps[i].roughness);
     }
-    color_fill_->fill(confidence, std::log(kInitialRoughness), values);
+    color_fill_->fill(confidence, std::log(kInitialRoughness), values, tolerance);
     for (std::size_t i = 0; i < num_texels_; ++i) {
         if (confidence[i] > 0) continue;
         fits_[i].reflectance.roughness =
@@ -313,7 +320,9 @@ void GatherIteration::fill_roughness(std::vector<float>& confidence, std::vector
 }
 
 // Ps sigma^2, half the lobe's albedo, is what varies slowly where sigma does not.
-void GatherIteration::fill_specular(std::vector<float>& confidence, std::vector<double>& values) {
+void GatherIteration::fill_specular(double tolerance,
+                                    std::vector<float>& confidence,
+                                    std::vector<double>& values) {
     for (std::size_t i = 0; i < num_texels_; ++i) {
         const TexelFit& fit = fits_[i];
         const bool known = fit.observed && fit.specular_measured;
@@ -324,7 +333,7 @@ void GatherIteration::fill_specular(std::vector<float>& confidence, std::vector<
         const Reflectance& source = known ? fit.reflectance : result_.maps[i];
         values[i] = source.specular * square(source.roughness);
     }
-    color_fill_->fill(confidence, shared_lobe_, values);
+    color_fill_->fill(confidence, shared_lobe_, values, tolerance);
     for (std::size_t i = 0; i < num_texels_; ++i) {
         if (confidence[i] > 0) continue;
         Reflectance& fit = fits_[i].reflectance;

@@ -79,9 +79,14 @@ class GatherIteration {
     // All texels.
     void update_noise_scale();
     void make_guide();
-    void fill_unmeasured(const IndirectLight& light);
-    void fill_roughness(std::vector<float>& confidence, std::vector<double>& values);
-    void fill_specular(std::vector<float>& confidence, std::vector<double>& values);
+    // tolerance: of solve_links().
+    void fill_unmeasured(const IndirectLight& light, double tolerance);
+    void fill_roughness(double tolerance,
+                        std::vector<float>& confidence,
+                        std::vector<double>& values);
+    void fill_specular(double tolerance,
+                       std::vector<float>& confidence,
+                       std::vector<double>& values);
     void refit_matte(const IndirectLight& light);
     void refit_unconfirmed(const IndirectLight& light, const std::vector<std::uint8_t>& dropped);
     double update_maps();

@@ -2,12 +2,11 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
-#include "patina/estimate/link_equation.h"
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
+#include <unordered_map>
 
 namespace patina {
 namespace {
@@ -61,6 +60,21 @@ double explained_share(std::span<const Sample> samples, double mean) {
     return before > 0 ? std::clamp(1 - after / before, 0.0, 1.0) : 0.0;
 }
 
+using Cell = std::array<int, 3>;
+
+Cell cell_of(const Vec3& color) {
+    Cell cell;
+    for (std::size_t c = 0; c < 3; ++c) cell[c] = int(std::floor(2 * color[Eigen::Index(c)]));
+    return cell;
+}
+
+// Cells of one key lie 2^21 apart: colours reach less than 200 from 0.
+std::uint64_t cell_key(const Cell& cell) {
+    std::uint64_t key = 0;
+    for (const int c : cell) key = key << 21 | (std::uint64_t(c) & 0x1fffff);
+    return key;
+}
+
 }  // namespace
 
 GuidedFill::GuidedFill(const TexelAtlas& atlas, std::span<const Rgb> diffuse)
@@ -103,22 +117,16 @@ std::vector<double> GuidedFill::trend(std::span<const float> confidence,
     }
     const double mean = sum / weight;
     const double share = explained_share(samples, mean);
-    // Colours on a grid finer than the kernel are looked up once.
-    using Cell = std::array<int, 3>;
-    const auto cell_of = [&](std::size_t i) {
-        Cell cell;
-        for (std::size_t c = 0; c < 3; ++c) {
-            cell[c] = int(std::floor(2 * color_[i][Eigen::Index(c)]));
-        }
-        return cell;
-    };
-    std::map<Cell, double> trend_of_cell;
     std::vector<double> result(values.size(), mean);
     if (share <= 0) return result;
+    // Colours on a grid finer than the kernel are looked up once.
+    std::vector<std::uint64_t> keys(values.size());
+    parallel_for(keys.size(), [&](std::size_t i) { keys[i] = cell_key(cell_of(color_[i])); });
+    std::unordered_map<std::uint64_t, double> trend_of_cell;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const Cell cell = cell_of(i);
-        const auto [entry, is_new] = trend_of_cell.try_emplace(cell, 0.0);
+        const auto [entry, is_new] = trend_of_cell.try_emplace(keys[i], 0.0);
         if (is_new) {
+            const Cell cell = cell_of(color_[i]);
             const Vec3 middle(0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5));
             entry->second = mean + share * (kernel_mean(samples, middle, mean) - mean);
         }
@@ -129,7 +137,8 @@ std::vector<double> GuidedFill::trend(std::span<const float> confidence,
 
 void GuidedFill::fill(std::span<const float> confidence,
                       double fallback,
-                      std::span<double> values) const {
+                      std::span<double> values,
+                      double tolerance) const {
     PATINA_CHECK_EQ(confidence.size(), values.size());
     PATINA_CHECK_EQ(values.size(), atlas_.texels.size());
     if (std::none_of(confidence.begin(), confidence.end(), [](float c) { return c > 0; })) {
@@ -160,7 +169,9 @@ void GuidedFill::fill(std::span<const float> confidence,
     });
     std::vector<double> above(values.size());
     for (std::size_t i = 0; i < values.size(); ++i) above[i] = values[i] - expected[i];
-    solve_links(atlas_, link_, equation, LinkSolverOptions(), above);
+    LinkSolverOptions options;
+    options.tolerance = tolerance;
+    solve_links(atlas_, link_, equation, options, above);
     for (const TexelId i : equation.unknown) values[i] = expected[i] + above[i];
 }
 

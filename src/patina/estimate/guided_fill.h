@@ -5,6 +5,7 @@
 // ECCV 2008 (the screening term).
 #pragma once
 
+#include "patina/estimate/link_equation.h"
 #include "patina/math/types.h"
 #include "patina/scene/atlas.h"
 
@@ -29,8 +30,11 @@ class GuidedFill {
     //
     // where the trend is what texels of a like colour have (none, if colour explains nothing of the
     // known values), and g falls with the difference of Pd and of the normals. fallback: where
-    // nothing at all is known.
-    void fill(std::span<const float> confidence, double fallback, std::span<double> values) const;
+    // nothing at all is known. tolerance: of solve_links().
+    void fill(std::span<const float> confidence,
+              double fallback,
+              std::span<double> values,
+              double tolerance = LinkSolverOptions().tolerance) const;
 
   private:
     [[nodiscard]] std::vector<double> trend(std::span<const float> confidence,
