@@ -20,6 +20,8 @@ enum class Pass : std::uint32_t {
     gather = 7,
     plan_texels = 8,
     plan_draws = 9,
+    adaptive_path_tracer = 10,
+    adaptive_rendered_shots = 11,
     tests = 100,
 };
 

@@ -107,7 +107,7 @@ struct ObjectReport {
     // the row at which the two plates meet [rows].
     std::optional<double> profile_edge;
     // Figure 6: the image that the synthetic ones are compared with, 3 channels [radiance], and how
-    // it was taken ("held-out lamp above the range finder, noise-free render").
+    // it was taken ("held-out lamp above the range finder, without sensor noise").
     Image real;
     std::string real_title;
     double white = 1;  // radiance of level 255: Table 1, Figure 6 [radiance]

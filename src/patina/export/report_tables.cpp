@@ -223,7 +223,8 @@ std::string differences_section(const ReportData& data) {
     std::string caption =
         "Mean and variance of |real \u2212 synthetic| in 8-bit levels over the texels whose Pd is "
         "measured. Exposure is set so that the 99th percentile of the used images is level 230. "
-        "Held-out lamp: never used for the estimate, compared with a noise-free render. Lamps "
+        "Held-out lamp: never used for the estimate, compared with a render without sensor noise. "
+        "Lamps "
         "used: "
         "the noisy images that the estimate was made from.";
     if (data.paper_experiments) {

@@ -24,6 +24,8 @@ struct DifferenceSums {
     double absolute = 0;  // of |synthetic - real|
     double squared = 0;   // of (synthetic - real)^2
     double image = 0;     // of real^2
+    double noise = 0;     // of the variance of synthetic by its paths
+    bool has_noise = false;
     std::size_t num_pixels = 0;
 
     DifferenceSums& operator+=(const DifferenceSums& other) {
@@ -31,6 +33,8 @@ struct DifferenceSums {
         absolute += other.absolute;
         squared += other.squared;
         image += other.image;
+        noise += other.noise;
+        has_noise = has_noise || other.has_noise;
         num_pixels += other.num_pixels;
         return *this;
     }
@@ -44,6 +48,9 @@ struct DifferenceSums {
         comparison.levels_variance = square(levels) * std::max(0.0, squared / count - square(mean));
         comparison.relative_rmse = image > 0 ? std::sqrt(squared / image) : 0;
         comparison.num_pixels = num_pixels;
+        if (has_noise) {
+            comparison.noise = {square(levels) * noise / count, squared > 0 ? noise / squared : 0};
+        }
         return comparison;
     }
 };
@@ -57,6 +64,7 @@ ShotRenderOptions render_options(const CompareOptions& options, const Shot& shot
     ShotRenderOptions render = options.render;
     if (shot.heldout) render.samples_per_pixel *= options.heldout_sample_factor;
     render.with_lobe_errors = shot.heldout;
+    render.adaptive = shot.heldout;
     return render;
 }
 
@@ -70,7 +78,8 @@ ShotPair make_pair(const Capture& capture,
     ShotPair pair{std::move(image.radiance),
                   std::move(rendered.radiance),
                   std::move(rendered.status),
-                  std::move(rendered.lobe_variance)};
+                  std::move(rendered.lobe_variance),
+                  std::move(rendered.noise_variance)};
     for (std::size_t i = 0; i < pair.status.size(); ++i) {
         if (image.usable[i] == 0 || !is_measured(pair.status[i])) pair.status[i] = 0;
     }
@@ -99,12 +108,14 @@ void for_each_value(const ShotPair& pair, const Use& use) {
 
 DifferenceSums difference_of(const ShotPair& pair) {
     DifferenceSums sums;
+    sums.has_noise = !pair.noise_variance.empty();
     for_each_value(pair, [&](const Value& value) {
         const double difference = value.synthetic - value.real;
         sums.count += 1;
         sums.absolute += std::abs(difference);
         sums.squared += square(difference);
         sums.image += square(value.real);
+        if (sums.has_noise) sums.noise += double(pair.noise_variance.data[value.index]);
     });
     for (const std::uint8_t status : pair.status) sums.num_pixels += status != 0 ? 1 : 0;
     return sums;
@@ -145,7 +156,8 @@ OptionTable compare_option_table(CompareOptions& options) {
         integer_option("heldout_samples",
                        options.heldout_sample_factor,
                        between(1, 1024),
-                       "the synthetic images of held-out shots have this many times as many"),
+                       "the synthetic images of held-out shots have this many times as many, "
+                       "more where they are noisy"),
         number_option("white",
                       options.white,
                       above(0),

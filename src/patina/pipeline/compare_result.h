@@ -24,7 +24,8 @@ inline constexpr double kMaxLevel = 255;
 
 struct CompareOptions {
     ShotRenderOptions render;
-    int heldout_sample_factor = 1;   // held-out shots get this many times as many paths; >= 1
+    // Held-out shots get this many times as many paths, spent where the noise is; >= 1.
+    int heldout_sample_factor = 1;
     bool keep_heldout = false;       // leave the images of held-out shots in the result
     std::optional<double> white;     // radiance of level 255 [radiance]; nothing: as said above
     std::filesystem::path pictures;  // folder for real, synthetic and difference; empty: none
@@ -37,6 +38,13 @@ struct ImageComparison {
     double levels_variance = 0;  // of |difference| [8-bit levels^2]
     double relative_rmse = 0;    // root of summed squared differences over summed squared image [-]
     std::size_t num_pixels = 0;
+    // What the paths' noise adds to the squared differences, where the images tell (held-out ones
+    // of 128 paths per pixel and more); an unbiased estimate.
+    struct RenderNoise {
+        double variance = 0;  // mean over pixels and channels [8-bit levels^2]
+        double share = 0;     // of the mean squared difference [-]
+    };
+    std::optional<RenderNoise> noise;
 };
 
 // A map against the truth.
@@ -67,6 +75,7 @@ struct ShotPair {
     Image synthetic;
     std::vector<std::uint8_t> status;  // TexelStatus::measured or diffuse_measured; 0: leave it out
     Image lobe_variance;               // of synthetic [radiance^2]; empty for used shots
+    Image noise_variance;              // of synthetic [radiance^2]; empty where it is not known
 };
 
 struct ShotComparison {

@@ -12,6 +12,10 @@ Json image_json(const ImageComparison& comparison) {
     json.set("levels_variance", Json(comparison.levels_variance));
     json.set("relative_rmse", Json(comparison.relative_rmse));
     json.set("pixels", Json(std::int64_t(comparison.num_pixels)));
+    if (comparison.noise) {
+        json.set("render_noise_variance", Json(comparison.noise->variance));
+        json.set("render_noise_share", Json(comparison.noise->share));
+    }
     return json;
 }
 
@@ -109,6 +113,14 @@ std::string comparison_text(const Comparison& comparison) {
         fmt::format("|synthetic - real| in 8-bit levels; level 255 is the radiance {:.6g}\n\n",
                     comparison.white) +
         images.text();
+    if (comparison.heldout && comparison.heldout->noise) {
+        text += fmt::format(
+            "\nnoise of the held-out synthetic images: variance {:.3f}, {:.1f} % of the mean "
+            "squared "
+            "difference\n",
+            comparison.heldout->noise->variance,
+            100 * comparison.heldout->noise->share);
+    }
     if (const auto& check = comparison.prediction) {
         text += fmt::format(
             "\nheld-out pixels against the spread of the used ones: reduced chi-square {:.2f}, "

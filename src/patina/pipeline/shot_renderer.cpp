@@ -2,6 +2,7 @@
 
 #include "patina/base/error.h"
 #include "patina/base/parallel.h"
+#include "patina/transport/path_budget.h"
 #include "patina/transport/path_tracer.h"
 
 #include <fmt/format.h>
@@ -45,7 +46,8 @@ class PixelRenderer {
           field_(ReflectanceField::per_texel(capture.mesh, capture.atlas, reflectance)),
           camera_(capture.description.cameras[capture.description.shots[shot].camera]),
           shot_(shot),
-          options_(options) {
+          options_(options),
+          is_adaptive_(options.adaptive && is_worth_a_pilot(options.samples_per_pixel)) {
         for (const std::size_t light : capture.description.shots[shot].lights) {
             lights_.push_back(capture.description.lights[light]);
         }
@@ -56,25 +58,64 @@ class PixelRenderer {
         Rgb radiance = Rgb::Zero();
         std::uint8_t status = 0;
         Rgb lobe_variance = Rgb::Zero();
+        Rgb noise_variance = Rgb::Zero();
     };
     // status: per texel of the atlas.
-    [[nodiscard]] Pixel render(int column, int row, std::span<const std::uint8_t> status) const {
-        const double azimuth = scanner_azimuth(column);
+    [[nodiscard]] Pixel render(std::size_t index,
+                               int num_paths,
+                               std::span<const std::uint8_t> status) const {
+        const double azimuth = scanner_azimuth(int(index % std::size_t(camera_.width)));
         Pixel pixel;
         ErrorSums errors;
-        int num_seen = 0;
-        for (int sample = 0; sample < options_.samples_per_pixel; ++sample) {
-            const auto jitter = sampler(column, row, Stream::footprint, sample).next_pair();
+        const auto use = [&](const Footprint& shown) {
+            if (shown.texel == kNoTexel) return;
+            pixel.status = std::max(pixel.status, status[shown.texel]);
+            if (options_.with_lobe_errors && errors.count < kErrorSamples) {
+                add_errors(shown, azimuth, errors);
+            }
+        };
+        PathSum paths = trace(index, 0, is_adaptive_ ? num_paths / 2 : num_paths, use);
+        if (is_adaptive_) {
+            const PathSum second = trace(index, 1, num_paths / 2, use);
+            pixel.noise_variance = noise_variance(paths, second);
+            paths.radiance += second.radiance;
+            paths.num_seen += second.num_seen;
+        }
+        pixel.radiance = paths.radiance;
+        pixel.lobe_variance = errors.variance();
+        return finish(pixel, paths.num_seen, num_paths);
+    }
+
+    // Paths of every pixel.
+    [[nodiscard]] std::vector<int> plan(Progress& progress) const {
+        const auto num_pixels = std::size_t(camera_.width) * std::size_t(camera_.height);
+        if (!is_adaptive_) return std::vector<int>(num_pixels, options_.samples_per_pixel);
+        const auto pilot = [&](std::size_t index, std::uint32_t path_stream, int num_paths) {
+            return trace(index, path_stream, num_paths, [](const Footprint&) {});
+        };
+        return plan_paths(
+            camera_.width, camera_.height, options_.samples_per_pixel, pilot, progress);
+    }
+    [[nodiscard]] bool is_adaptive() const { return is_adaptive_; }
+
+  private:
+    // path_stream: of plan_paths(). Calls use(Footprint) for every sample that shows the surface.
+    template <typename Use>
+    [[nodiscard]] PathSum trace(std::size_t index,
+                                std::uint32_t path_stream,
+                                int num_paths,
+                                const Use& use) const {
+        const int column = int(index % std::size_t(camera_.width));
+        const int row = int(index / std::size_t(camera_.width));
+        const double azimuth = scanner_azimuth(column);
+        PathSum paths;
+        for (int sample = 0; sample < num_paths; ++sample) {
+            const auto jitter = sampler(index, path_stream, Stream::footprint, sample).next_pair();
             const auto shown = look(Vec2(column + jitter[0], row + jitter[1]), azimuth);
             if (!shown) continue;
-            ++num_seen;
-            if (shown->texel != kNoTexel) {
-                pixel.status = std::max(pixel.status, status[shown->texel]);
-                if (options_.with_lobe_errors && errors.count < kErrorSamples) {
-                    add_errors(*shown, azimuth, errors);
-                }
-            }
-            auto numbers = sampler(column, row, Stream::light, sample);
+            ++paths.num_seen;
+            use(*shown);
+            auto numbers = sampler(index, path_stream, Stream::light, sample);
             const OutgoingRadiance radiance = trace_path(surface_,
                                                          field_,
                                                          lights_,
@@ -83,13 +124,11 @@ class PixelRenderer {
                                                          shown->w_o,
                                                          PathTracerOptions{},
                                                          numbers);
-            pixel.radiance += radiance.direct + radiance.indirect;
+            paths.radiance += radiance.direct + radiance.indirect;
         }
-        pixel.lobe_variance = errors.variance();
-        return finish(pixel, num_seen);
+        return paths;
     }
 
-  private:
     // Of the used shots of the same camera.
     void collect_used_lights() {
         const CaptureDescription& description = capture_.description;
@@ -165,8 +204,7 @@ class PixelRenderer {
 
     // Registered images hold the surface where at least half of the texel shows it; others mix it
     // with what lies behind.
-    [[nodiscard]] Pixel finish(Pixel pixel, int num_seen) const {
-        const int total = options_.samples_per_pixel;
+    [[nodiscard]] Pixel finish(Pixel pixel, int num_seen, int total) const {
         const bool is_whole = is_registered() ? 2 * num_seen >= total : num_seen == total;
         if (!is_whole) pixel.status = 0;
         if (is_registered() && !is_whole) return {};
@@ -212,13 +250,22 @@ class PixelRenderer {
             origin, shown.w_o, camera_.distance_from(origin, azimuth));
     }
 
-    [[nodiscard]] SobolSampler sampler(int column, int row, Stream stream, int sample) const {
-        const auto pixel =
-            std::uint64_t(row) * std::uint64_t(camera_.width) + std::uint64_t(column);
+    [[nodiscard]] SobolSampler sampler(std::size_t index,
+                                       std::uint32_t path_stream,
+                                       Stream stream,
+                                       int sample) const {
         const auto num_pixels = std::uint64_t(camera_.width) * std::uint64_t(camera_.height);
-        const std::uint64_t element =
-            (std::uint64_t(shot_) * kNumStreams + std::uint64_t(stream)) * num_pixels + pixel;
-        return {options_.seed, Pass::rendered_shots, element, std::uint32_t(sample)};
+        const std::uint64_t of_shot = std::uint64_t(shot_) * kNumStreams + std::uint64_t(stream);
+        if (!is_adaptive_) {
+            return {options_.seed,
+                    Pass::rendered_shots,
+                    of_shot * num_pixels + index,
+                    std::uint32_t(sample)};
+        }
+        return {options_.seed,
+                Pass::adaptive_rendered_shots,
+                (of_shot * kNumPathStreams + path_stream) * num_pixels + index,
+                std::uint32_t(sample)};
     }
 
     const Capture& capture_;
@@ -230,6 +277,7 @@ class PixelRenderer {
     const Camera& camera_;
     std::size_t shot_;
     const ShotRenderOptions& options_;
+    bool is_adaptive_;
     std::vector<Light> lights_;
     std::vector<Light> used_lights_;  // empty unless lobe errors are asked for
 };
@@ -286,22 +334,26 @@ RenderedShot ShotRenderer::render(std::size_t shot,
     RenderedShot rendered;
     rendered.radiance = Image(camera.width, camera.height, 3);
     if (options.with_lobe_errors) rendered.lobe_variance = Image(camera.width, camera.height, 3);
+    if (renderer.is_adaptive()) rendered.noise_variance = Image(camera.width, camera.height, 3);
     rendered.status.resize(std::size_t(camera.width) * std::size_t(camera.height));
-    parallel_blocks(rendered.status.size(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const int column = int(i % std::size_t(camera.width));
-            const int row = int(i / std::size_t(camera.width));
-            const PixelRenderer::Pixel pixel = renderer.render(column, row, status_);
-            rendered.status[i] = pixel.status;
-            for (int channel = 0; channel < 3; ++channel) {
-                rendered.radiance.at(column, row, channel) = float(pixel.radiance[channel]);
-                if (options.with_lobe_errors) {
-                    rendered.lobe_variance.at(column, row, channel) =
-                        float(pixel.lobe_variance[channel]);
-                }
-            }
+    const auto store = [](const Rgb& value, std::size_t pixel, Image& image) {
+        if (image.empty()) return;
+        for (std::size_t channel = 0; channel < 3; ++channel) {
+            image.data[3 * pixel + channel] = float(value[int(channel)]);
         }
-        progress.advance((end - begin) * std::uint64_t(options.samples_per_pixel));
+    };
+    const std::vector<int> plan = renderer.plan(progress);
+    parallel_blocks(plan.size(), kPixelBlock, [&](std::size_t begin, std::size_t end) {
+        std::uint64_t num_paths = 0;
+        for (std::size_t i = begin; i < end; ++i) {
+            const PixelRenderer::Pixel pixel = renderer.render(i, plan[i], status_);
+            rendered.status[i] = pixel.status;
+            store(pixel.radiance, i, rendered.radiance);
+            store(pixel.lobe_variance, i, rendered.lobe_variance);
+            store(pixel.noise_variance, i, rendered.noise_variance);
+            num_paths += std::uint64_t(plan[i]);
+        }
+        progress.advance(num_paths);
     });
     return rendered;
 }

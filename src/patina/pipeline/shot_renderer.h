@@ -17,6 +17,9 @@ struct ShotRenderOptions {
     int samples_per_pixel = 64;  // paths; >= 1; powers of two are best
     std::uint64_t seed = 1;
     bool with_lobe_errors = false;  // RenderedShot::lobe_variance too
+    // So many paths in the mean, shared out by plan_paths() for an image as free of noise as they
+    // allow, where they are worth a pilot.
+    bool adaptive = false;
 };
 
 // Standard errors of a lobe, finite.
@@ -38,6 +41,9 @@ struct RenderedShot {
     // lobe than any used one. Direct light alone; Ps and sigma err independently, all that one
     // pixel shows errs alike. Empty unless asked for.
     Image lobe_variance;
+    // What the paths' noise does to each pixel, an unbiased estimate by noise_variance()
+    // [radiance^2], three channels. Empty unless the image is adaptive.
+    Image noise_variance;
 };
 
 // Keeps references to the capture.
@@ -50,12 +56,11 @@ class ShotRenderer {
                  const std::string& result_place);
 
     // A pixel is the mean over paths spread over its footprint (registered cameras: over its
-    // texel). Adds samples_per_pixel per pixel to the progress. The same bytes for any number of
-    // threads.
+    // texel). Adds the paths to the progress. The same bytes for any number of threads.
     [[nodiscard]] RenderedShot render(std::size_t shot,
                                       const ShotRenderOptions& options,
                                       Progress& progress) const;
-    // Paths that render() traces, for the progress.
+    // Paths that render() traces at most, for the progress.
     [[nodiscard]] std::uint64_t num_paths(std::size_t shot, const ShotRenderOptions& options) const;
 
   private:

@@ -1,9 +1,11 @@
 #include "patina/pipeline/shot_renderer.h"
 
 #include "patina/base/error.h"
+#include "patina/base/parallel.h"
 
 #include <gtest/gtest.h>
 
+#include "support/false_alarms.h"
 #include <limits>
 
 namespace patina {
@@ -136,6 +138,93 @@ TEST(ShotRenderer, LeavesOutErrorsOfFilledLobesThatUsedShotsShow) {
     // A lobe that was fitted to that look follows it, whatever it errs.
     scene.maps.status = Image(kTexels, kTexels, 1, 1.0f);
     EXPECT_GT(scene.render(orthographic_camera(), true).lobe_variance.at(3, 2), 0);
+}
+
+// A glossy corner: the left half of the texels lies, the right half stands on its edge.
+struct CornerScene : FlatScene {
+    CornerScene() {
+        Mesh& mesh = capture.mesh;
+        mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {1, 0, 1}, {1, 1, 1}};
+        mesh.positions.insert(mesh.positions.end(), {{1, 0, 0}, {1, 1, 0}});
+        mesh.normals.assign(4, Vec3f::UnitZ());
+        mesh.normals.insert(mesh.normals.end(), 4, -Vec3f::UnitX());
+        mesh.uvs = {{0, 0}, {0.5, 0}, {0.5, 1}, {0, 1}, {1, 0}, {1, 1}, {0.5, 0}, {0.5, 1}};
+        mesh.triangles = {{0, 1, 2}, {0, 2, 3}, {6, 4, 5}, {6, 5, 7}};
+        capture.atlas = build_atlas(mesh, kTexels, kTexels);
+        capture.description.lights[0].direction = Vec3(-1, 0, 2).normalized();
+        maps.specular = Image(kTexels, kTexels, 1, 0.3f);
+        Camera camera = registered_camera();
+        camera.position = {-1, 0.5, 2};
+        capture.description.cameras = {camera};
+    }
+
+    [[nodiscard]] RenderedShot render(std::uint64_t seed, bool adaptive) const {
+        ShotRenderOptions options;
+        options.samples_per_pixel = 128;
+        options.seed = seed;
+        options.adaptive = adaptive;
+        Progress quiet;
+        return ShotRenderer(capture, maps, "result").render(0, options, quiet);
+    }
+};
+
+double mean_of(const Image& image) {
+    double sum = 0;
+    for (const float value : image.data) sum += double(value);
+    return sum / double(image.data.size());
+}
+
+TEST(ShotRenderer, AdaptiveImagesAreThoseOfUniformOnesInTheMean) {
+    constexpr std::size_t kNumImages = 200;
+    const CornerScene scene;
+    std::vector<double> difference(kNumImages);
+    for (std::size_t i = 0; i < kNumImages; ++i) {
+        difference[i] = mean_of(scene.render(i, true).radiance) -
+                        mean_of(scene.render(kNumImages + i, false).radiance);
+    }
+    EXPECT_TRUE(agrees(estimate_of(difference), 0));
+}
+
+// The squared difference of two images has twice the noise's variance in the mean.
+TEST(ShotRenderer, StatesTheNoiseOfAdaptiveImages) {
+    constexpr std::size_t kNumPairs = 200;
+    const CornerScene scene;
+    EXPECT_TRUE(scene.render(1, false).noise_variance.empty());
+    std::vector<double> excess(kNumPairs);
+    for (std::size_t i = 0; i < kNumPairs; ++i) {
+        const RenderedShot first = scene.render(2 * i, true);
+        const RenderedShot second = scene.render(2 * i + 1, true);
+        double squares = 0;
+        for (std::size_t k = 0; k < first.radiance.data.size(); ++k) {
+            squares += square(double(first.radiance.data[k]) - double(second.radiance.data[k]));
+        }
+        excess[i] = mean_of(first.noise_variance) + mean_of(second.noise_variance) -
+                    squares / double(first.radiance.data.size());
+    }
+    EXPECT_TRUE(agrees(estimate_of(excess), 0));
+}
+
+TEST(ShotRenderer, AdaptiveImagesDoNotDependOnTheThreads) {
+    const CornerScene scene;
+    const auto render_with = [&](int threads) {
+        const ThreadLimit limit(threads);
+        return scene.render(1, true).radiance.data;
+    };
+    EXPECT_EQ(render_with(1), render_with(2));
+}
+
+// A pilot of so few paths would tell nothing.
+TEST(ShotRenderer, FewPathsAreTheSameForAll) {
+    CornerScene scene;
+    Progress quiet;
+    ShotRenderOptions options;
+    options.samples_per_pixel = 64;
+    const ShotRenderer renderer(scene.capture, scene.maps, "result");
+    const RenderedShot uniform = renderer.render(0, options, quiet);
+    options.adaptive = true;
+    const RenderedShot adaptive = renderer.render(0, options, quiet);
+    EXPECT_EQ(adaptive.radiance.data, uniform.radiance.data);
+    EXPECT_TRUE(adaptive.noise_variance.empty());
 }
 
 TEST(ShotRenderer, SeesNothingFromBehind) {

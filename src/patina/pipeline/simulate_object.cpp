@@ -75,7 +75,7 @@ OptionTable simulate_option_table(SimulateOptions& options) {
         integer_option("heldout_samples",
                        scan.heldout_sample_factor,
                        between(1, 1 << 10),
-                       "the held-out image has this many times as many"),
+                       "the held-out image has this many times as many, more where it is noisy"),
         number_option("noise_read",
                       scan.noise_read,
                       at_least(0),

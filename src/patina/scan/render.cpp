@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/transport/path_budget.h"
 #include "patina/transport/path_tracer.h"
 
 namespace patina {
@@ -23,22 +24,43 @@ class PixelRenderer {
           camera_(camera),
           lights_(lights),
           options_(options),
+          is_adaptive_(options.adaptive && is_worth_a_pilot(options.samples_per_pixel)),
           surface_(object.surface()),
           field_(object.field()) {}
 
-    // sums: one per lamp, added to. Returns how many samples count.
-    int render(int column, int row, std::span<Rgb> sums) const {
+    // Paths of every pixel.
+    [[nodiscard]] std::vector<int> plan(Progress& progress) const {
+        const auto num_pixels = std::size_t(camera_.width) * std::size_t(camera_.height);
+        if (!is_adaptive_) return std::vector<int>(num_pixels, options_.samples_per_pixel);
+        const auto trace = [&](std::size_t pixel, std::uint32_t path_stream, int num_paths) {
+            std::vector<Rgb> sums(lights_.size(), Rgb::Zero());
+            PathSum paths;
+            paths.num_seen = render(pixel, path_stream, num_paths, sums);
+            for (const Rgb& sum : sums) paths.radiance += sum;
+            return paths;
+        };
+        return plan_paths(
+            camera_.width, camera_.height, options_.samples_per_pixel, trace, progress);
+    }
+
+    // path_stream: of plan_paths(). sums: one per lamp, added to. Returns how many samples count.
+    int render(std::size_t pixel,
+               std::uint32_t path_stream,
+               int num_samples,
+               std::span<Rgb> sums) const {
+        const int column = int(pixel % std::size_t(camera_.width));
+        const int row = int(pixel / std::size_t(camera_.width));
         const double azimuth = scanner_azimuth(object_, camera_.width, column);
         int num_seen = 0;
-        for (int sample = 0; sample < options_.samples_per_pixel; ++sample) {
-            const auto jitter = sampler(column, row, kFootprintStream, sample).next_pair();
-            const Vec2 pixel = Vec2(column + jitter[0], row + jitter[1]) + options_.image_shift;
-            const auto point = point_at_pixel(object_, camera_.width, camera_.height, pixel);
+        for (int sample = 0; sample < num_samples; ++sample) {
+            const auto jitter = sampler(pixel, path_stream, kFootprintStream, sample).next_pair();
+            const Vec2 position = Vec2(column + jitter[0], row + jitter[1]) + options_.image_shift;
+            const auto point = point_at_pixel(object_, camera_.width, camera_.height, position);
             if (!point || !is_seen(object_, camera_, *point, azimuth)) continue;
             ++num_seen;
             const Vec3 w_o = camera_.direction_from(point->position, azimuth);
             for (std::size_t i = 0; i < lights_.size(); ++i) {
-                auto numbers = sampler(column, row, options_.lamp_numbers[i], sample);
+                auto numbers = sampler(pixel, path_stream, options_.lamp_numbers[i], sample);
                 const OutgoingRadiance radiance = trace_path(surface_,
                                                              field_,
                                                              lights_.subspan(i, 1),
@@ -54,22 +76,29 @@ class PixelRenderer {
     }
 
   private:
-    [[nodiscard]] SobolSampler sampler(int column,
-                                       int row,
+    [[nodiscard]] SobolSampler sampler(std::size_t pixel,
+                                       std::uint32_t path_stream,
                                        std::uint32_t stream,
                                        int sample) const {
-        const auto pixel =
-            std::uint64_t(row) * std::uint64_t(camera_.width) + std::uint64_t(column);
         const auto num_pixels = std::uint64_t(camera_.width) * std::uint64_t(camera_.height);
-        const std::uint64_t element =
-            (std::uint64_t(options_.camera_index) * kNumStreams + stream) * num_pixels + pixel;
-        return {options_.seed, Pass::path_tracer, element, std::uint32_t(sample)};
+        const std::uint64_t of_camera = std::uint64_t(options_.camera_index) * kNumStreams + stream;
+        if (!is_adaptive_) {
+            return {options_.seed,
+                    Pass::path_tracer,
+                    of_camera * num_pixels + pixel,
+                    std::uint32_t(sample)};
+        }
+        return {options_.seed,
+                Pass::adaptive_path_tracer,
+                (of_camera * kNumPathStreams + path_stream) * num_pixels + pixel,
+                std::uint32_t(sample)};
     }
 
     const SimulatedObject& object_;
     const Camera& camera_;
     std::span<const Light> lights_;
     const RenderOptions& options_;
+    bool is_adaptive_;
     Surface surface_;
     ReflectanceField field_;
 };
@@ -87,14 +116,17 @@ RenderedImages render_lamps(const SimulatedObject& object,
     RenderedImages images;
     images.radiance.assign(lights.size(), Image(camera.width, camera.height, 3));
     images.seen = Image(camera.width, camera.height, 1);
+    const std::vector<int> plan = renderer.plan(progress);
     const auto render_block = [&](std::size_t begin, std::size_t end) {
         std::vector<Rgb> sums(lights.size());
+        std::uint64_t num_paths = 0;
         for (std::size_t pixel = begin; pixel < end; ++pixel) {
             const int column = int(pixel % std::size_t(camera.width));
             const int row = int(pixel / std::size_t(camera.width));
             std::fill(sums.begin(), sums.end(), Rgb::Zero());
-            const int num_seen = renderer.render(column, row, sums);
-            if (2 * num_seen < options.samples_per_pixel) continue;
+            const int num_seen = renderer.render(pixel, 0, plan[pixel], sums);
+            num_paths += std::uint64_t(plan[pixel]);
+            if (2 * num_seen < plan[pixel]) continue;
             images.seen.data[pixel] = 1;
             for (std::size_t i = 0; i < lights.size(); ++i) {
                 for (int channel = 0; channel < 3; ++channel) {
@@ -103,7 +135,7 @@ RenderedImages render_lamps(const SimulatedObject& object,
                 }
             }
         }
-        progress.advance((end - begin) * std::uint64_t(options.samples_per_pixel) * lights.size());
+        progress.advance(num_paths * lights.size());
     };
     parallel_blocks(images.seen.data.size(), kPixelBlock, render_block);
     return images;

@@ -15,7 +15,10 @@
 namespace patina {
 
 struct RenderOptions {
-    int samples_per_pixel = 256;      // paths per pixel and lamp; >= 1; powers of two are best
+    int samples_per_pixel = 256;  // paths per pixel and lamp; >= 1; powers of two are best
+    // So many in the mean, shared out by plan_paths() for an image as free of noise as they allow,
+    // where they are worth a pilot.
+    bool adaptive = false;
     Vec2 image_shift = Vec2::Zero();  // what a pixel sees lies this far from it [pixels]
     std::uint64_t seed = 1;
     std::uint32_t camera_index =

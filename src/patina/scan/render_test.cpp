@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include "support/false_alarms.h"
 #include <numeric>
 
 namespace patina {
@@ -74,6 +75,41 @@ TEST(Render, InterreflectionAddsWhatTheAlbedoAllows) {
             EXPECT_LT(found, kGrooveDiffuse / (1 - kGrooveDiffuse) / kPi * strongest);
         }
     }
+}
+
+// A lit corner of 8 x 8 pixels, adaptive or not.
+std::vector<float> render_corner(std::uint64_t seed, bool adaptive) {
+    constexpr int kSide = 8;
+    const SimulatedObject object = make_object(ObjectKind::a, kSide, kSide);
+    const ScanRig rig = make_rig(object, kSide, kSide);
+    RenderOptions options = some_options(1);
+    options.samples_per_pixel = 128;
+    options.adaptive = adaptive;
+    options.seed = seed;
+    Progress progress;
+    return render_lamps(object, rig.cameras[0], std::span(&rig.heldout, 1), options, progress)
+        .radiance[0]
+        .data;
+}
+
+TEST(Render, AdaptiveImagesAreThoseOfUniformOnesInTheMean) {
+    constexpr std::size_t kNumPairs = 100;
+    std::vector<double> excess(kNumPairs);
+    for (std::size_t pair = 0; pair < kNumPairs; ++pair) {
+        const std::vector<float> adaptive = render_corner(pair, true);
+        const std::vector<float> uniform = render_corner(kNumPairs + pair, false);
+        excess[pair] = std::accumulate(adaptive.begin(), adaptive.end(), 0.0) -
+                       std::accumulate(uniform.begin(), uniform.end(), 0.0);
+    }
+    EXPECT_TRUE(agrees(estimate_of(excess), 0));
+}
+
+TEST(Render, AdaptiveBytesDoNotDependOnTheThreads) {
+    const auto render_with = [](int threads) {
+        const ThreadLimit limit(threads);
+        return render_corner(1, true);
+    };
+    EXPECT_EQ(render_with(1), render_with(2));
 }
 
 TEST(Render, ShiftedImagesShowWhatLiesBesideEachPixel) {

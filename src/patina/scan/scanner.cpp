@@ -56,6 +56,7 @@ class CaptureWriter {
         RenderOptions render;
         render.samples_per_pixel = options_.samples_per_pixel *
                                    (exposures.is_heldout ? options_.heldout_sample_factor : 1);
+        render.adaptive = exposures.is_heldout;
         render.image_shift = image_shift(exposures.camera);
         render.seed = options_.seed;
         render.camera_index = std::uint32_t(exposures.camera);

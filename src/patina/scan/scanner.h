@@ -52,10 +52,10 @@ struct ScannedGeometry {
 [[nodiscard]] TruthMaps truth_maps(const SimulatedObject& object, const ScanOptions& options);
 
 // Writes a capture into `folder`, which exists: geometry, one shot per chosen lamp and camera, one
-// noise-free held-out shot per camera under the lamp above it, truth maps and capture.json. chosen:
-// numbers of candidate lamps, each below kNumCandidates, none twice. An image does not depend on
-// which other lamps are chosen. The same bytes for any number of threads. Throws Error, WorkFailed,
-// Interrupted.
+// held-out shot without sensor noise per camera under the lamp above it, truth maps and
+// capture.json. chosen: numbers of candidate lamps, each below kNumCandidates, none twice. An image
+// does not depend on which other lamps are chosen. The same bytes for any number of threads. Throws
+// Error, WorkFailed, Interrupted.
 CaptureDescription simulate_capture(const SimulatedObject& object,
                                     std::span<const std::size_t> chosen,
                                     const ScanOptions& options,
