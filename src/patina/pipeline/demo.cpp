@@ -29,7 +29,7 @@ struct Scale {
     int compare_heldout;    // of the synthetic images of held-out shots, in the mean
 };
 // The paper's, and a quarter of its width and height.
-constexpr Scale kFullScale = {512, 256, 256, 256, 1024, 2'000'000, 8, 384};
+constexpr Scale kFullScale = {512, 256, 256, 256, 1024, 2'000'000, 8, 512};
 constexpr Scale kQuarterScale = {128, 64, 64, 64, 768, 125'000, 8, 128};
 // A lamp that makes less than this share of the texels measurable is not worth a photograph: about
 // a dozen and a half of the 60 remain.
