@@ -17,6 +17,13 @@ constexpr double kRounding = 3e-4;
 
 }  // namespace
 
+NarrowLobeOptions narrow_lobe_options(const EstimateOptions& options) {
+    NarrowLobeOptions narrow;
+    narrow.max_photons = options.photons.photons;
+    narrow.seed = options.photons.seed;
+    return narrow;
+}
+
 // Whether a lamp shines on a texel does not count: the graph is the same for all lamps.
 std::vector<ViewDirections> view_directions(const SceneView& scene) {
     std::vector<ViewDirections> directions;
@@ -63,10 +70,7 @@ GatherEngine::GatherEngine(const Surface& surface,
     }
     num_standing_ = blocks[0].size();
     const std::size_t num_turning = blocks[1].size();
-    NarrowLobeOptions narrow;
-    narrow.max_photons = options.photons.photons;
-    narrow.seed = options.photons.seed;
-    narrow_.emplace(surface, atlas, blocks[0], narrow);
+    narrow_.emplace(surface, atlas, blocks[0], narrow_lobe_options(options));
     for (const std::size_t turning : {0u, 1u}) {
         // Those that turn take shadow rays, so they are the first to be kept.
         const std::size_t num_before = turning == 1 ? 0 : num_turning;
@@ -165,6 +169,7 @@ void GatherEngine::add_photons(std::size_t block,
             const std::vector<IndirectLobe> lobe =
                 narrow_->lobe(block, place.lane, views_[view], maps, wanted);
             parallel_for(lobe.size(), [&](std::size_t i) {
+                if (wanted[i] == 0) return;
                 IndirectLobe& sum = light.lobe[shot][i];
                 sum.half += lobe[i].half;
                 sum.same += lobe[i].same;

@@ -15,6 +15,9 @@
 
 namespace patina {
 
+// Of the photons for narrow lobes.
+[[nodiscard]] NarrowLobeOptions narrow_lobe_options(const EstimateOptions& options);
+
 // Per camera, towards it from the texels that it sees.
 [[nodiscard]] std::vector<ViewDirections> view_directions(const SceneView& scene);
 

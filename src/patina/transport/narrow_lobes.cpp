@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/transport/lobe_reach.h"
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +39,9 @@ struct Reflected {
         return *this;
     }
 };
+
+// Chords between unit vectors in single precision err by less [-].
+constexpr float kChordRounding = 1e-5f;
 
 bool has_narrow_lobe(const Reflectance& map) {
     return map.specular > 0 && map.roughness < kWidestGuide;
@@ -134,6 +138,32 @@ void NarrowLobes::trace(std::span<const Reflectance> maps) {
     kernel.max_radius = options_.kernel_radius;
     kernel.min_radius = std::min(kernel.min_radius, kernel.max_radius);
     kernel_ = build_ratio_kernel(atlas_, arrivals, kernel);
+    for (std::vector<LampPhotons>& block : photons_) {
+        for (LampPhotons& lamp : block) {
+            lamp.cones.resize(num_texels);
+            parallel_for(num_texels,
+                         [&](std::size_t i) { lamp.cones[i] = cone_at(i, lamp.paths); });
+        }
+    }
+}
+
+NarrowLobes::ArrivalCone NarrowLobes::cone_at(std::size_t texel, const PhotonPaths& paths) const {
+    const auto over_arrivals = [&](const auto& visit) {
+        for (std::size_t k = kernel_.begin[texel]; k < kernel_.begin[texel + 1]; ++k) {
+            const TexelId from = kernel_.texel[k];
+            for (auto a = paths.arrivals_begin[from]; a < paths.arrivals_begin[from + 1]; ++a) {
+                visit(paths.arrival_direction[a]);
+            }
+        }
+    };
+    Vec3f sum = Vec3f::Zero();
+    over_arrivals([&](const Vec3f& w) { sum += w; });
+    ArrivalCone cone;
+    // Directions that cancel have no axis; any will do.
+    if (sum.squaredNorm() > 0) cone.axis = sum.normalized();
+    over_arrivals(
+        [&](const Vec3f& w) { cone.chord = std::max(cone.chord, (w - cone.axis).norm()); });
+    return cone;
 }
 
 double NarrowLobes::weigh(std::span<const Reflectance> maps) {
@@ -190,7 +220,30 @@ std::vector<IndirectLobe> NarrowLobes::lobe(std::size_t block,
                                             std::span<const Reflectance> maps,
                                             std::span<const std::uint8_t> wanted) const {
     const LampPhotons& lamp = photons_[block][lane];
-    return indirect_lobe(kernel_, lamp.paths, lamp.power, atlas_, w_v, maps, wanted);
+    // Most narrow lobes look past all that arrives: the triangle inequality tells.
+    std::vector<std::uint8_t> meets(wanted.size());
+    parallel_for(meets.size(), [&](std::size_t i) {
+        const ArrivalCone& cone = lamp.cones[i];
+        if (wanted[i] == 0 || cone.chord < 0) return;
+        const Vec3f normal = atlas_.texels[i].point.normal.cast<float>();
+        const Vec3f mirror = 2 * normal.dot(w_v[i]) * normal - w_v[i];
+        const float reach =
+            lobe_reach_chord(float(maps[i].roughness)) + cone.chord + kChordRounding;
+        meets[i] = (mirror - cone.axis).squaredNorm() <= square(reach);
+    });
+    return indirect_lobe(kernel_, lamp.paths, lamp.power, atlas_, w_v, maps, meets);
+}
+
+double NarrowLobes::expect_bytes(std::size_t num_texels,
+                                 double hit_share,
+                                 const NarrowLobeOptions& options) {
+    constexpr double kArrival = sizeof(PhotonPaths::Path) + sizeof(PhotonBounce) +
+                                sizeof(std::uint32_t) + sizeof(std::uint8_t) + sizeof(Vec3f) +
+                                sizeof(Rgbf);
+    const double photons =
+        std::min(options.photons_per_texel * double(num_texels), double(options.max_photons));
+    return hit_share * photons * kArrival +
+           double(num_texels) * (sizeof(ArrivalCone) + sizeof(std::uint32_t));
 }
 
 }  // namespace patina

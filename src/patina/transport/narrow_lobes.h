@@ -68,14 +68,27 @@ class NarrowLobes {
                                                  std::span<const Reflectance> maps,
                                                  std::span<const std::uint8_t> wanted) const;
 
+    // Bytes that the photons of one lamp take, were all lobes narrow, where this share of the
+    // directions from a texel meets the surface.
+    [[nodiscard]] static double expect_bytes(std::size_t num_texels,
+                                             double hit_share,
+                                             const NarrowLobeOptions& options);
+
   private:
+    // Holds the directions of all arrivals that count for a texel.
+    struct ArrivalCone {
+        Vec3f axis = Vec3f::UnitZ();  // unit
+        float chord = -1;             // the longest from the axis [-]; < 0: nothing arrives
+    };
     // Photons of one lamp under the maps of follow().
     struct LampPhotons {
         PhotonPaths paths;
-        std::vector<Rgbf> power;  // of every arrival [radiance x sr x length^2]
+        std::vector<ArrivalCone> cones;  // per texel
+        std::vector<Rgbf> power;         // of every arrival [radiance x sr x length^2]
     };
 
     void trace(std::span<const Reflectance> maps);
+    [[nodiscard]] ArrivalCone cone_at(std::size_t texel, const PhotonPaths& paths) const;
     // Returns the effective number of photons.
     double weigh(std::span<const Reflectance> maps);
 
