@@ -196,5 +196,18 @@ TEST(AgreementUnderFinalMaps, OfBothWithThePathTracer) {
     check.run(options);
 }
 
+// What narrow lobes send on goes by photons.
+TEST(AgreementUnderNarrowLobes, OfGatherWithThePathTracer) {
+    const SimulatedCapture capture(kPlates.kind, kPlates.lamps, small_scan());
+    constexpr double kSigma = 0.05;
+    constexpr double kLobeAlbedo = 0.1;  // 2 sigma^2 Ps
+    const std::vector<Reflectance> maps(
+        capture.capture().atlas.texels.size(),
+        {Rgb::Constant(0.4), kLobeAlbedo / (2 * square(kSigma)), kSigma});
+    EstimateOptions options;
+    options.method = Method::gather;
+    PathTracerCheck(capture.capture(), maps).run(options);
+}
+
 }  // namespace
 }  // namespace patina

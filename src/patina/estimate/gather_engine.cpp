@@ -17,6 +17,13 @@ constexpr double kRounding = 3e-4;
 
 }  // namespace
 
+NarrowLobeOptions narrow_lobe_options(const EstimateOptions& options) {
+    NarrowLobeOptions narrow;
+    narrow.max_photons = options.photons.photons;
+    narrow.seed = options.photons.seed;
+    return narrow;
+}
+
 // Whether a lamp shines on a texel does not count: the graph is the same for all lamps.
 std::vector<ViewDirections> view_directions(const SceneView& scene) {
     std::vector<ViewDirections> directions;
@@ -61,8 +68,9 @@ GatherEngine::GatherEngine(const Surface& surface,
         block.lights.push_back(&lamp);
         block.direct.push_back(&scene.direct[light]);
     }
-    const std::size_t num_standing = blocks[0].size();
+    num_standing_ = blocks[0].size();
     const std::size_t num_turning = blocks[1].size();
+    narrow_.emplace(surface, atlas, blocks[0], narrow_lobe_options(options));
     for (const std::size_t turning : {0u, 1u}) {
         // Those that turn take shadow rays, so they are the first to be kept.
         const std::size_t num_before = turning == 1 ? 0 : num_turning;
@@ -76,7 +84,7 @@ GatherEngine::GatherEngine(const Surface& surface,
         std::vector<LampPlace>& places = places_.emplace_back();
         for (const std::size_t light : set.indices) {
             const auto [block, lane] = lane_of.at(light);
-            places.push_back({block / 2 + (block % 2 == 1 ? num_standing : 0),
+            places.push_back({block / 2 + (block % 2 == 1 ? num_standing_ : 0),
                               lane,
                               lamp_color(*scene.lights[light]).cast<float>()});
         }
@@ -148,6 +156,29 @@ void GatherEngine::add_lobes(std::size_t block,
     });
 }
 
+// After the block's sweep.
+void GatherEngine::add_photons(std::size_t block,
+                               std::span<const Reflectance> maps,
+                               std::span<const std::uint8_t> wanted,
+                               IndirectLight& light) {
+    blocks_[block].add(narrow_->irradiance(block), swept_);
+    for (std::size_t shot = 0; shot < light.lobe.size(); ++shot) {
+        const std::size_t view = scene_.camera_of_shot[shot];
+        for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
+            if (place.block != block) continue;
+            const std::vector<IndirectLobe> lobe =
+                narrow_->lobe(block, place.lane, views_[view], maps, wanted);
+            parallel_for(lobe.size(), [&](std::size_t i) {
+                if (wanted[i] == 0) return;
+                IndirectLobe& sum = light.lobe[shot][i];
+                sum.half += lobe[i].half;
+                sum.same += lobe[i].same;
+                sum.twice += lobe[i].twice;
+            });
+        }
+    }
+}
+
 IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
                                      std::span<const std::uint8_t> seen,
                                      bool with_specular) {
@@ -161,7 +192,13 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
                             bool with_specular,
                             IndirectLight& light) {
     const std::size_t num_texels = atlas_.texels.size();
+    light.retraced = with_specular && narrow_->follow(maps);
+    // What photons carry of standing lamps.
+    const std::span<const float> carried =
+        with_specular ? narrow_->shares() : std::span<const float>();
     const RadiantTexels texels(atlas_, maps, with_specular);
+    std::optional<RadiantTexels> rest;
+    if (!carried.empty()) rest.emplace(atlas_, maps, with_specular, carried);
     light.irradiance.resize(places_.size());
     light.lobe.resize(with_specular ? scene_.shots.size() : 0);
     parallel_for(
@@ -183,9 +220,12 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
     }
     std::vector<double> mean(num_texels, 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
-        blocks_[block].sweep(graph_, texels, filter_, swept_);
+        const bool has_photons = rest && block < num_standing_;
+        const RadiantTexels& of_block = has_photons ? *rest : texels;
+        blocks_[block].sweep(graph_, of_block, filter_, swept_);
+        if (has_photons) add_photons(block, maps, glossy, light);
         add_irradiance(block, swept_.halves, light.irradiance);
-        if (with_specular) add_lobes(block, texels, maps, glossy, light.lobe);
+        if (with_specular) add_lobes(block, of_block, maps, glossy, light.lobe);
         blocks_[block].end_sweep();
         parallel_for(mean.size(), [&](std::size_t i) {
             for (const IndirectLanes& half : swept_.halves) {
@@ -201,6 +241,7 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
 
 void GatherEngine::restart() {
     for (LampBlockLight& block : blocks_) block.restart();
+    narrow_->forget();
     previous_.clear();
     previous_change_ = 0;
     spectral_radius_ = 0;

@@ -5,13 +5,18 @@
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/observations.h"
 #include "patina/transport/gather_sweep.h"
+#include "patina/transport/narrow_lobes.h"
 
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace patina {
+
+// Of the photons for narrow lobes.
+[[nodiscard]] NarrowLobeOptions narrow_lobe_options(const EstimateOptions& options);
 
 // Per camera, towards it from the texels that it sees.
 [[nodiscard]] std::vector<ViewDirections> view_directions(const SceneView& scene);
@@ -28,8 +33,9 @@ class GatherEngine final : public IndirectEngine {
                  Progress& progress,
                  std::size_t kept_blocks = std::numeric_limits<std::size_t>::max());
 
-    // One more bounce under the present maps. light.spectral_radius: how much of the indirect
-    // light's last change the next one keeps (power iteration); 0 at first.
+    // One more bounce under the present maps, what narrow lobes send on of standing lamps by
+    // photons (light.retraced: they were traced for it). light.spectral_radius: how much of the
+    // indirect light's last change the next one keeps (power iteration); 0 at first.
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
@@ -55,6 +61,10 @@ class GatherEngine final : public IndirectEngine {
     void add_irradiance(std::size_t block,
                         const std::array<IndirectLanes, 2>& halves,
                         std::vector<IndirectIrradiance>& sums) const;
+    void add_photons(std::size_t block,
+                     std::span<const Reflectance> maps,
+                     std::span<const std::uint8_t> wanted,
+                     IndirectLight& light);
     void add_lobes(std::size_t block,
                    const RadiantTexels& texels,
                    std::span<const Reflectance> maps,
@@ -66,9 +76,12 @@ class GatherEngine final : public IndirectEngine {
     std::vector<ViewDirections> views_;  // per camera view; zero where it sees nothing
     GatherGraph graph_;
     SurfaceFilter filter_;
-    std::vector<LampBlockLight> blocks_;
+    std::vector<LampBlockLight>
+        blocks_;                    // first those of lamps that stand, then of those that turn
+    std::size_t num_standing_ = 0;  // blocks
     std::vector<std::vector<LampPlace>> places_;  // per lamp set, per lamp
     SweptLight swept_;
+    std::optional<NarrowLobes> narrow_;
     std::vector<double> previous_;  // mean indirect light of the texels, last sweep
     double previous_change_ = 0;
     double spectral_radius_ = 0;  // as last told

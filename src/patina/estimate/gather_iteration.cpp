@@ -202,6 +202,7 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
     }
     log.error = count > 0 ? squared_error / count : 0;
     log.spectral_radius = light.spectral_radius;
+    log.retraced = light.retraced;
     log.change = update_maps();
     result_.iterations.push_back(log);
     return log;

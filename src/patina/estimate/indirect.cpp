@@ -15,17 +15,6 @@ constexpr double kMinEffectiveShare = 0.5;
 // Texels with less specular albedo than this do not show indirect light by their lobe.
 constexpr double kNegligibleLobe = 1e-5;
 
-// Sums whose ratio is the effective number of photons.
-struct WeightSums {
-    double first = 0;
-    double second = 0;
-    WeightSums& operator+=(const WeightSums& other) {
-        first += other.first;
-        second += other.second;
-        return *this;
-    }
-};
-
 std::vector<Reflectance> without_specular(std::span<const Reflectance> maps) {
     std::vector<Reflectance> result(maps.begin(), maps.end());
     for (Reflectance& map : result) map.specular = 0;
@@ -90,12 +79,7 @@ double PhotonEngine::weigh(std::span<const Reflectance> maps) {
     double effective = 0;
     for (const PhotonPaths& paths : paths_) {
         power_.push_back(photon_power(paths, maps));
-        const std::vector<Rgbf>& arrivals = power_.back().arrivals;
-        const auto sums = ordered_reduce(arrivals.size(), WeightSums(), [&](std::size_t i) {
-            const double weight = double(arrivals[i].mean());
-            return WeightSums{weight, weight * weight};
-        });
-        if (sums.second > 0) effective += square(sums.first) / sums.second;
+        effective += effective_number(power_.back().arrivals);
     }
     return effective;
 }

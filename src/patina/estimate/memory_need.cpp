@@ -69,7 +69,8 @@ MemoryCounts count_memory(const Capture& capture) {
         return (num_lamps + kLampLanes - 1) / kLampLanes;
     };
     counts.turning_blocks = blocks(num_turning);
-    counts.standing_blocks = blocks(lamps.size() - num_turning);
+    counts.standing_lamps = lamps.size() - num_turning;
+    counts.standing_blocks = blocks(counts.standing_lamps);
     counts.has_gradients = description.geometry.registration_stddev > 0;
     return counts;
 }
@@ -83,6 +84,9 @@ MemoryCounts count_work(const Capture& capture,
     counts.hits =
         expect_gather_hits(surface, capture.atlas, view_directions(scene), options.gather);
     counts.filter_radius = options.filter_radius;
+    const double rays = double(counts.texels) * double(options.gather.rays);
+    counts.photons_of_lamp = NarrowLobes::expect_bytes(
+        counts.texels, rays > 0 ? counts.hits.irradiance / rays : 0, narrow_lobe_options(options));
     return counts;
 }
 
@@ -123,11 +127,12 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
         sizeof(std::size_t);
     need.light = texels * (2 * sizeof(Rgbf) * double(counts.lamp_sets) +
                            sizeof(IndirectLobe) * shots + sweep + filter);
+    need.photons = counts.photons_of_lamp * double(counts.standing_lamps);
     need.texels = kTexelBytes * texels;
     need.peak = counts.held + need.views + need.looks +
                 std::max({need.images,
                           need.graph + need.tracing,
-                          need.graph + need.lanes + need.light + need.texels});
+                          need.graph + need.lanes + need.light + need.photons + need.texels});
     return need;
 }
 

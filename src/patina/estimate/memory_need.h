@@ -12,10 +12,12 @@
 //     lanes      H TurningHit for each block of 8 lamps that turn with the scanner,
 //                H StandingHit + T LitTexel for each one that stands, 160 T for either
 //     light      T (24 M + IndirectLobe S) + 384 T while a block is swept
+//     photons    for each lamp that stands still, were all lobes narrow:
+//                NarrowLobes::expect_bytes()
 //     texels     kTexelBytes T
 //
 //     peak = held + views + looks
-//          + max(images, graph + tracing, graph + lanes + light + texels)
+//          + max(images, graph + tracing, graph + lanes + light + photons + texels)
 //
 // Lanes at the hits are by far the largest where lamps turn. They follow from the graph and can be
 // computed again in each turn, a block at a time, at the price of its shadow rays where lamps turn.
@@ -40,11 +42,13 @@ struct MemoryCounts {
     std::size_t lamp_sets = 0;
     std::size_t standing_blocks = 0;  // of kLampLanes lamps
     std::size_t turning_blocks = 0;
+    std::size_t standing_lamps = 0;
     std::size_t image_pixels = 0;  // of the largest image
     bool has_gradients = false;    // the capture states an error of registration
     double filter_radius = 0;      // [texels]
     LookCount looks;
     GatherHitCount hits;
+    double photons_of_lamp = 0;  // for narrow lobes [bytes]
 };
 
 // All in bytes.
@@ -56,6 +60,7 @@ struct MemoryNeed {
     double tracing = 0;
     double lanes = 0;
     double light = 0;
+    double photons = 0;
     double texels = 0;
     double peak = 0;
 };

@@ -153,9 +153,11 @@ LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
 
 RadiantTexels::RadiantTexels(const TexelAtlas& atlas,
                              std::span<const Reflectance> maps,
-                             bool with_specular)
+                             bool with_specular,
+                             std::span<const float> left_out)
     : materials_(atlas.texels.size()), precision_(atlas.texels.size()) {
     PATINA_CHECK_EQ(maps.size(), atlas.texels.size());
+    PATINA_CHECK(left_out.empty() || left_out.size() == maps.size());
     // A mean over directions weighted by their cosine is reached near cos_i = 2/3.
     constexpr double kMeanCosine = 2.0 / 3;
     parallel_for(materials_.size(), [&](std::size_t i) {
@@ -167,8 +169,9 @@ RadiantTexels::RadiantTexels(const TexelAtlas& atlas,
         if (!with_specular) return;
         const double albedo = map.specular * lobe_albedo(kMeanCosine, map.roughness);
         material.onward += float(albedo / kPi);
-        if (albedo < kNegligibleLobe) return;
-        material.specular = float(map.specular / kPi);
+        const double kept = left_out.empty() ? 1.0 : 1 - double(left_out[i]);
+        if (albedo * kept < kNegligibleLobe) return;
+        material.specular = float(kept * map.specular / kPi);
         precision_[i] = float(-0.5 / square(map.roughness));
     });
 }
@@ -265,6 +268,18 @@ void LampBlockLight::sweep(const GatherGraph& graph,
                 swept.halves[half][i][c] = units_ * smooth[half][c];
             }
             indirect_[i][c] = 0.5f * (smooth[0][c] + smooth[1][c]);
+        }
+    });
+}
+
+void LampBlockLight::add(std::span<const std::array<Lanes, 2>> irradiance, SweptLight& swept) {
+    PATINA_CHECK_EQ(irradiance.size(), indirect_.size());
+    parallel_for(indirect_.size(), [&](std::size_t i) {
+        const std::array<Lanes, 2>& halves = irradiance[i];
+        const Lanes mean = 0.5f * (halves[0] + halves[1]) / units_;
+        for (std::size_t c = 0; c < 3; ++c) {
+            for (std::size_t half = 0; half < 2; ++half) swept.halves[half][i][c] += halves[half];
+            indirect_[i][c] += mean;
         }
     });
 }

@@ -31,12 +31,17 @@ struct SweptLight {
 // The maps as a sweep reads them.
 class RadiantTexels {
   public:
-    RadiantTexels(const TexelAtlas& atlas, std::span<const Reflectance> maps, bool with_specular);
+    // left_out: per texel, the share of the images of lamps in its lobe that reaches others in
+    // another way, in [0, 1]; empty: none.
+    RadiantTexels(const TexelAtlas& atlas,
+                  std::span<const Reflectance> maps,
+                  bool with_specular,
+                  std::span<const float> left_out = {});
 
     struct Material {
         Vec3f normal = Vec3f::UnitZ();
         Rgbf diffuse = Rgbf::Zero();  // Pd / pi [1/sr]
-        float specular = 0;           // Ps / pi [1/sr]
+        float specular = 0;           // Ps / pi, but for what is left out [1/sr]
         Rgbf onward = Rgbf::Zero();   // (Pd + Ps A) / pi, for indirect light [1/sr]
     };
     [[nodiscard]] const Material& operator[](TexelId texel) const { return materials_[texel]; }
@@ -87,6 +92,11 @@ class LampBlockLight {
                const RadiantTexels& texels,
                const SurfaceFilter& filter,
                SweptLight& swept);
+
+    // Adds what reaches the texels of the lamps in another way to the light of the last sweep, so
+    // that the next one carries it on: irradiance of two halves, the same in all channels, per
+    // white lamp [1/length^2; 1 for directional lamps]. One entry per texel.
+    void add(std::span<const std::array<Lanes, 2>> irradiance, SweptLight& swept);
 
     // After a sweep and its lobes: lets the light at the hits go, unless it is kept.
     void end_sweep();

@@ -14,6 +14,17 @@ namespace {
 constexpr std::size_t kPhotonsPerBlock = 8192;
 static_assert(kPhotonsPerBlock % kWaveSize == 0);
 
+// Sums whose ratio is the effective number of photons.
+struct WeightSums {
+    double first = 0;
+    double second = 0;
+    WeightSums& operator+=(const WeightSums& other) {
+        first += other.first;
+        second += other.second;
+        return *this;
+    }
+};
+
 std::size_t path_end(const PhotonPaths& paths, std::size_t path) {
     return path + 1 < paths.paths.size() ? paths.paths[path + 1].first_bounce
                                          : paths.bounces.size();
@@ -80,6 +91,14 @@ PhotonPower photon_power(const PhotonPaths& paths, std::span<const Reflectance> 
         for (std::size_t k = 0; k < sums.size(); ++k) result.by_bounce[k] += sums[k];
     }
     return result;
+}
+
+double effective_number(std::span<const Rgbf> arrivals) {
+    const auto sums = ordered_reduce(arrivals.size(), WeightSums(), [&](std::size_t i) {
+        const double weight = double(arrivals[i].mean());
+        return WeightSums{weight, weight * weight};
+    });
+    return sums.second > 0 ? square(sums.first) / sums.second : 0.0;
 }
 
 }  // namespace patina

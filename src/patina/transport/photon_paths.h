@@ -25,6 +25,9 @@ struct PhotonOptions {
     std::uint64_t seed = 1;             // any
     int max_bounces = 64;               // arrivals after which a photon is cut; >= 1
     bool keep_positions = false;        // fill PhotonPaths::arrival_position
+    // Photons start as if the guide reflected this much everywhere at least; 0: only where it
+    // reflects [-]; >= 0
+    float min_guide_albedo = 0.02f;
     double azimuth_window = radians(
         12.0);  // half width of the columns that a photon of a turning lamp counts for [rad]; > 0
 };
@@ -82,5 +85,9 @@ struct PhotonPower {
     std::vector<double> by_bounce;  // power that arrives after 1, 2, ... reflections, all channels
 };
 [[nodiscard]] PhotonPower photon_power(const PhotonPaths& paths, std::span<const Reflectance> maps);
+
+// How many photons of equal power would tell as much: (sum w)^2 / sum w^2 over the arrivals, w the
+// mean of a power's channels; 0 without power.
+[[nodiscard]] double effective_number(std::span<const Rgbf> arrivals);
 
 }  // namespace patina

@@ -11,8 +11,6 @@
 namespace patina {
 namespace {
 
-// Guides never give one of the two lobes up altogether.
-constexpr float kMinGuideAlbedo = 0.02f;
 // Turning lamps: most photons take a lamp near the first texel's column, some a far one.
 constexpr auto kNearAzimuth = float(radians(25.0));
 constexpr auto kFarAzimuth = float(radians(110.0));
@@ -54,8 +52,8 @@ std::vector<double> PhotonStart::importance() const {
         for (const auto* direct : lamps_.direct)
             irradiance += double((*direct)[i].irradiance.mean());
         const PhotonTexel& texel = scene_.texel(TexelId(i));
-        result[i] =
-            irradiance * double(texel.area) * double(std::max(texel.mean_albedo, kMinGuideAlbedo));
+        result[i] = irradiance * double(texel.area) *
+                    double(std::max(texel.mean_albedo, options_.min_guide_albedo));
     });
     return result;
 }

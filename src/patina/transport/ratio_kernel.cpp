@@ -3,6 +3,7 @@
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
 #include "patina/reflectance/lobe_lanes.h"
+#include "patina/transport/lobe_reach.h"
 
 #include <algorithm>
 #include <array>
@@ -13,9 +14,7 @@ namespace {
 
 constexpr double kMinNormalCosine = 0.7;
 constexpr double kPlaneShare = 0.1;  // of the radius
-// Beyond this many sigma of the widest of the three lobes nothing is added: 1 % of that one's
-// light, and less than 1e-7 of the middle one's.
-constexpr float kLobeReachSquared = 3.0f * 3.0f;
+constexpr float kLobeReachSquared = kLobeReach * kLobeReach;
 constexpr std::size_t kTexelsPerBlock = 1024;
 // A lobe is seen through at most about this many arrivals; of more, every n-th is taken.
 constexpr std::size_t kMaxLobeArrivals = 192;
