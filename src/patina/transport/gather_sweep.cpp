@@ -13,6 +13,9 @@ namespace {
 // Lobes with less albedo than this send no image of a lamp worth the sum.
 constexpr double kNegligibleLobe = 1e-5;
 
+// Hits that count for less than this even in a lobe twice as wide are left out [-].
+constexpr float kNegligibleWeight = 0.01f;
+
 // The rows of the texels that are hit lie all over memory, so they are asked for this many hits
 // ahead.
 constexpr std::size_t kAhead = 4;
@@ -117,6 +120,39 @@ GatheredHalves filtered(const SurfaceFilter& filter,
     return sums;
 }
 
+// How much up to eight hits, side by side, count for lobes of sigma and of twice and half of it.
+struct LobeWeights {
+    Lanes twice;  // the Gaussian alone [-]
+    Lanes twice_weight, same_weight, half_weight;
+};
+
+// variance: sigma^2 [rad^2].
+inline LobeWeights lobe_weights(const GatherHit* hits,
+                                std::size_t count,
+                                const Vec3f& normal,
+                                const Vec3f& mirror,
+                                float variance) {
+    Lanes along{}, cosine{}, weight{};
+    for (std::size_t l = 0; l < count; ++l) {
+        along[l] = mirror.dot(hits[l].w);
+        cosine[l] = normal.dot(hits[l].w);
+        weight[l] = hits[l].weight;
+    }
+    const Lanes versine = 1.0f - along;
+    const Lanes theta_squared = squared_angle(versine < 0.0f ? Lanes{} : versine);
+    // The three Gaussians are powers of each other.
+    LobeWeights weights;
+    weights.twice = exp_of_negative(-0.125f * theta_squared / variance);
+    const Lanes same = (weights.twice * weights.twice) * (weights.twice * weights.twice);
+    const Lanes half = (same * same) * (same * same);
+    const Lanes lowest = Lanes{} + float(kCosineFloor);
+    const Lanes over_cosine = weight / (cosine < lowest ? lowest : cosine);
+    weights.twice_weight = over_cosine * weights.twice;
+    weights.same_weight = over_cosine * same;
+    weights.half_weight = over_cosine * half;
+    return weights;
+}
+
 // Sums over the hits on one texel's lobe, without what the three widths have in common.
 template <typename Row, typename Hit>
 LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
@@ -128,22 +164,23 @@ LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
                                        float variance) {
     LampBlockLight::LobeLanes sums;
     const LargeVector<float>& precision = texels.minus_half_precision();
-    const Vec3f& normal = texels[texel].normal;
-    for (std::size_t k = rows.begin[texel]; k < rows.begin[texel + 1]; ++k) {
-        const GatherHit& hit = rows.hits[k];
-        expect(sources.texels, precision, rows, k + kAhead);
-        const float theta_squared = squared_angle(std::max(0.0f, 1 - mirror.dot(hit.w)));
-        // The three Gaussians are powers of each other.
-        const float twice = exp_of_negative(-0.125f * theta_squared / variance);
-        if (twice < 0.01f) continue;
-        const float same = (twice * twice) * (twice * twice);
-        const float half = (same * same) * (same * same);
-        const float weight = hit.weight / std::max(normal.dot(hit.w), float(kCosineFloor));
-        const Radiance radiance = radiance_of(sources.texels[hit.to], hits[k], precision[hit.to]);
-        for (std::size_t c = 0; c < 3; ++c) {
-            sums.twice[c] += weight * twice * radiance[c];
-            sums.same[c] += weight * same * radiance[c];
-            sums.half[c] += weight * half * radiance[c];
+    const std::size_t end = rows.begin[texel + 1];
+    for (std::size_t first = rows.begin[texel]; first < end; first += kLanes) {
+        const std::size_t count = std::min(kLanes, end - first);
+        const LobeWeights weights =
+            lobe_weights(&rows.hits[first], count, texels[texel].normal, mirror, variance);
+        for (std::size_t l = 0; l < count; ++l) {
+            const std::size_t k = first + l;
+            expect(sources.texels, precision, rows, k + kAhead);
+            if (weights.twice[l] < kNegligibleWeight) continue;
+            const GatherHit& hit = rows.hits[k];
+            const Radiance radiance =
+                radiance_of(sources.texels[hit.to], hits[k], precision[hit.to]);
+            for (std::size_t c = 0; c < 3; ++c) {
+                sums.twice[c] += weights.twice_weight[l] * radiance[c];
+                sums.same[c] += weights.same_weight[l] * radiance[c];
+                sums.half[c] += weights.half_weight[l] * radiance[c];
+            }
         }
     }
     return sums;
