@@ -13,6 +13,10 @@ namespace {
 // pleases.
 constexpr double kRoughnessRelativeError = 0.2;
 constexpr double kStayMeasured = 1.5;
+// Stray lobes come in clumps whose texels confirm each other; from the rims inwards few of them
+// last. So many turns of that, and the fewest texels that a clump of lobes may have then.
+constexpr int kConfirmations = 32;
+constexpr std::size_t kSmallestClump = 9;
 constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 
 // A lobe is shown when some lamp stands inside it; tails alone say too little of its height. One as
@@ -34,6 +38,31 @@ double specular_error_at(std::span<const FitRow> rows, double roughness) {
     }
     const double information = (bb - (hh > 0).select(hb * hb / hh, 0.0)).sum();
     return information > 0 ? 1 / std::sqrt(information) : std::numeric_limits<double>::infinity();
+}
+
+// Texels with a measured Ps that hang together.
+std::vector<std::vector<TexelId>> measured_clumps(const TexelAtlas& atlas,
+                                                  std::span<const TexelFit> fits) {
+    std::vector<std::vector<TexelId>> clumps;
+    std::vector<std::uint8_t> found(fits.size(), 0);
+    const auto add = [&](TexelId texel) {
+        if (found[texel] != 0 || !fits[texel].specular_measured) return;
+        found[texel] = 1;
+        clumps.back().push_back(texel);
+    };
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+        if (found[i] != 0 || !fits[i].specular_measured) continue;
+        clumps.emplace_back();
+        add(TexelId(i));
+        for (std::size_t next = 0; next < clumps.back().size(); ++next) {
+            const TexelId texel = clumps.back()[next];
+            for (std::uint32_t k = atlas.neighbor_begin[texel]; k < atlas.neighbor_begin[texel + 1];
+                 ++k) {
+                add(atlas.neighbors[k]);
+            }
+        }
+    }
+    return clumps;
 }
 
 }  // namespace
@@ -136,19 +165,33 @@ std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<Te
         return ratio < kLargestFactor && ratio * kLargestFactor > 1;
     };
     std::vector<std::uint8_t> dropped(fits.size(), 0);
-    parallel_for(fits.size(), [&](std::size_t i) {
-        if (!fits[i].specular_measured) return;
-        int num_observed = 0;
-        int num_confirming = 0;
-        for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
-            if (!fits[atlas.neighbors[k]].observed) continue;
-            ++num_observed;
-            num_confirming += confirms(atlas.neighbors[k], i);
+    const auto drop = [&](std::size_t i) {
+        fits[i].specular_measured = fits[i].roughness_measured = false;
+        dropped[i] = 1;
+    };
+    std::size_t num_dropped = 1;
+    for (int pass = 0; pass < kConfirmations && num_dropped > 0; ++pass) {
+        std::vector<std::uint8_t> now(fits.size(), 0);
+        parallel_for(fits.size(), [&](std::size_t i) {
+            if (!fits[i].specular_measured) return;
+            const std::uint32_t begin = atlas.neighbor_begin[i];
+            const std::uint32_t end = atlas.neighbor_begin[i + 1];
+            std::uint32_t num_confirming = 0;
+            for (std::uint32_t k = begin; k < end; ++k) {
+                num_confirming += confirms(atlas.neighbors[k], i) ? 1 : 0;
+            }
+            now[i] = 2 * num_confirming < end - begin;
+        });
+        num_dropped = 0;
+        for (std::size_t i = 0; i < fits.size(); ++i) {
+            if (now[i] == 0) continue;
+            drop(i);
+            ++num_dropped;
         }
-        dropped[i] = 2 * num_confirming < num_observed;
-    });
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (dropped[i] != 0) fits[i].specular_measured = fits[i].roughness_measured = false;
+    }
+    for (const std::vector<TexelId>& clump : measured_clumps(atlas, fits)) {
+        if (clump.size() >= kSmallestClump) continue;
+        for (const TexelId texel : clump) drop(texel);
     }
     return dropped;
 }

@@ -66,10 +66,11 @@ struct MapChange {
 };
 
 // Takes back the measurements that their neighbours do not confirm: a lobe counts as measured only
-// if half of the observed texels around it have one of a specular albedo within a factor of two (or
-// are matte as it is). A stray fit would otherwise be spread along its whole row and column by the
-// filling. fits: one per texel of the atlas. Returns for each whether its measurement was taken
-// back: its Pd is then still that of the stray lobe.
+// if half of the texels around it have one of a specular albedo within a factor of two (or are
+// matte as it is), again and again as some are taken back, and if it is not one of a small clump. A
+// stray fit would otherwise be spread far around by the filling. fits: one per texel of the atlas.
+// Returns for each whether its measurement was taken back: its Pd is then still that of the stray
+// lobe.
 std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits);
 
 }  // namespace patina
