@@ -71,6 +71,7 @@ struct MapChange {
 // stray fit would otherwise be spread far around by the filling. fits: one per texel of the atlas.
 // Returns for each whether its measurement was taken back: its Pd is then still that of the stray
 // lobe.
-std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits);
+[[nodiscard]] std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas,
+                                                         std::span<TexelFit> fits);
 
 }  // namespace patina
