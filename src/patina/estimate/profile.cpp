@@ -65,7 +65,10 @@ Vertex vertex_at(ProfileTrials& trials, double x, double arm, std::size_t num_la
     if (!vertex.exists) return vertex;
     vertex.offset = -slope / bend;
     for (std::size_t i = 0; i < num_cells; ++i) slopes[i] += vertex.offset * bends[i];
-    vertex.standard_error = clustered_deviation(slopes, num_lamp_sets) / bend;
+    // Noise alone leaves as much: the costs are chi-squares, which one deviation raises by 1. Where
+    // hardly anything depends on x, clusters may agree by chance on what rounding makes of it.
+    const double by_noise = std::sqrt(2 / bend);
+    vertex.standard_error = std::max(by_noise, clustered_deviation(slopes, num_lamp_sets) / bend);
     return vertex;
 }
 

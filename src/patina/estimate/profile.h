@@ -38,7 +38,7 @@ class ProfileTrials {
 // The parabola through three trials about x, and its vertex.
 struct Vertex {
     double offset = 0;          // of the vertex from x
-    double standard_error = 0;  // of the vertex
+    double standard_error = 0;  // of the vertex; at least what noise of the looks' weights leaves
     bool exists = false;        // there is a lowest point
     double clamped_share = 0;   // at x [-]
 };

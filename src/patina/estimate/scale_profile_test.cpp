@@ -13,6 +13,9 @@ constexpr std::size_t kNumBlocks = 6;
 constexpr std::size_t kNumSets = 4;
 
 // Costs by a formula of ln k, the block and the set of lamps.
+// So many that their noise does not count.
+constexpr double kLooks = 1e6;
+
 class FormulaTrials final : public ProfileTrials {
   public:
     using Cost = std::function<double(double x, std::size_t block, std::size_t set)>;
@@ -25,7 +28,7 @@ class FormulaTrials final : public ProfileTrials {
         trial.clamped_share = clamped_share_;
         for (std::size_t block = 0; block < kNumBlocks; ++block) {
             for (std::size_t set = 0; set < kNumSets; ++set) {
-                trial.costs.push_back(cost_(x, block, set));
+                trial.costs.push_back(kLooks * cost_(x, block, set));
             }
         }
         return trial;
@@ -80,6 +83,17 @@ TEST(FindScale, TellsNothingWhereTheErrorIsLarge) {
     EXPECT_EQ(scale.factor, 1);
     EXPECT_NEAR(scale.best_factor, 1, 1e-9);
     EXPECT_NEAR(scale.standard_error, 0.3 / std::sqrt(5.0), 1e-9);
+}
+
+// What rounding makes of a cost that depends on nothing.
+TEST(FindScale, TellsNothingFromLessThanTheNoiseOfTheLooks) {
+    FormulaTrials trials([](double x, std::size_t block, std::size_t) {
+        const double lowest = block % 2 == 0 ? 1e-3 : -1e-3;
+        return 1e-6 * (x - lowest) * (x - lowest);
+    });
+    const ScaleEstimate scale = find_scale(trials, 0, kNumSets);
+    EXPECT_FALSE(scale.told);
+    EXPECT_NEAR(scale.standard_error, 1 / std::sqrt(double(kNumBlocks * kNumSets)), 1e-9);
 }
 
 TEST(FindScale, TellsNothingThatTheTexelsCannotReflect) {

@@ -30,7 +30,7 @@ struct Scale {
 };
 // The paper's, and a quarter of its width and height.
 constexpr Scale kFullScale = {512, 256, 256, 256, 1024, 2'000'000, 8, 512};
-constexpr Scale kQuarterScale = {128, 64, 64, 64, 768, 125'000, 8, 128};
+constexpr Scale kQuarterScale = {128, 64, 64, 64, 1024, 125'000, 8, 128};
 // A lamp that makes less than this share of the texels measurable is not worth a photograph: about
 // a dozen and a half of the 60 remain.
 constexpr double kMinGain = 0.015;

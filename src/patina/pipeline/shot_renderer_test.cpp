@@ -160,7 +160,7 @@ struct CornerScene : FlatScene {
 
     [[nodiscard]] RenderedShot render(std::uint64_t seed, bool adaptive) const {
         ShotRenderOptions options;
-        options.samples_per_pixel = 128;
+        options.samples_per_pixel = 256;
         options.seed = seed;
         options.adaptive = adaptive;
         Progress quiet;

@@ -83,7 +83,7 @@ std::vector<float> render_corner(std::uint64_t seed, bool adaptive) {
     const SimulatedObject object = make_object(ObjectKind::a, kSide, kSide);
     const ScanRig rig = make_rig(object, kSide, kSide);
     RenderOptions options = some_options(1);
-    options.samples_per_pixel = 128;
+    options.samples_per_pixel = 256;
     options.adaptive = adaptive;
     options.seed = seed;
     Progress progress;

@@ -12,10 +12,10 @@ namespace {
 
 // Pixels that a thread takes at once; short enough for progress and for Ctrl-C.
 constexpr std::size_t kPixelBlock = 64;
-// The pilot's share of all paths is one in so many, and a pilot stream has a power of two of them.
-constexpr int kPilotShare = 8;
-constexpr int kMinPilotPaths = 4;  // of one stream
-constexpr int kMaxPilotPaths = 8;  // of one stream; more are better spent on the image
+// Paths of each of a pixel's pilot streams. They are to be an eighth of all paths at most: with
+// fewer others a pilot costs more than it saves.
+constexpr int kPilotPaths = 8;
+constexpr int kPathsOverPilot = 8;
 // A pixel has between a quarter and 16 times the mean of the image, in sixteenths of it.
 constexpr int kUnitsOfMean = 16;
 constexpr int kUnitsOfSmallest = 4;
@@ -34,11 +34,6 @@ int power_of_two_below(int number) {
     return power;
 }
 
-int pilot_paths(int mean_paths) {
-    return std::min(power_of_two_below(mean_paths / (kPilotShare * int(kNumPilots))),
-                    kMaxPilotPaths);
-}
-
 struct PixelNoise {
     bool is_shown = false;  // a path of the pilot shows the surface
     bool is_known = false;  // at least two streams do
@@ -47,13 +42,13 @@ struct PixelNoise {
 
 // From the spread of the pilot's streams: unlike that of single paths, it is free of what their
 // stratification takes away.
-PixelNoise pilot_noise(std::size_t pixel, int num_paths, const TracePaths& trace) {
+PixelNoise pilot_noise(std::size_t pixel, const TracePaths& trace) {
     PixelNoise noise;
     Rgb sum = Rgb::Zero();
     Rgb squares = Rgb::Zero();
     int count = 0;
     for (std::uint32_t pilot = 0; pilot < kNumPilots; ++pilot) {
-        const PathSum paths = trace(pixel, kNumHalves + pilot, num_paths);
+        const PathSum paths = trace(pixel, kNumHalves + pilot, kPilotPaths);
         if (paths.num_seen == 0) continue;
         const Rgb mean = paths.radiance / paths.num_seen;
         sum += mean;
@@ -92,18 +87,17 @@ double smooth_deviation(std::span<const PixelNoise> noise, int width, int height
 }  // namespace
 
 bool is_worth_a_pilot(int mean_paths) {
-    return mean_paths >= kMinPilotPaths * int(kNumPilots) * kPilotShare;
+    return mean_paths >= kPathsOverPilot * kPilotPaths * int(kNumPilots);
 }
 
 std::vector<int> plan_paths(
     int width, int height, int mean_paths, const TracePaths& trace, Progress& progress) {
     PATINA_CHECK(is_worth_a_pilot(mean_paths));
     const std::size_t num_pixels = std::size_t(width) * std::size_t(height);
-    const int of_stream = pilot_paths(mean_paths);
-    const int of_pilot = of_stream * int(kNumPilots);
+    const int of_pilot = kPilotPaths * int(kNumPilots);
     std::vector<PixelNoise> noise(num_pixels);
     parallel_blocks(num_pixels, kPixelBlock, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) noise[i] = pilot_noise(i, of_stream, trace);
+        for (std::size_t i = begin; i < end; ++i) noise[i] = pilot_noise(i, trace);
         progress.advance((end - begin) * std::uint64_t(of_pilot));
     });
 
