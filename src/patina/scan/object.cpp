@@ -31,6 +31,10 @@ constexpr double kCoarsestCell = 0.0012;
 constexpr double kTypicalRadius = 0.05;
 // Rays towards the axis start this far from it [m], outside of every figurine.
 constexpr double kOutside = 0.5;
+// Newton steps from a facet to the solid behind it, along the range finder's ray, and the step of
+// the derivative [m].
+constexpr int kRangeSteps = 4;
+constexpr double kRangeGradientStep = 1e-5;
 // The range image begins this far above the base, whose rounded edge turns away below it, and ends
 // this far below the top [m].
 constexpr double kBaseMargin = 0.0015;
@@ -187,6 +191,29 @@ std::optional<SurfacePoint> point_at_pixel(const SimulatedObject& object,
         object.tracer.intersect(kOutside * outwards + Vec3(0, y, 0), -outwards, 0, kOutside);
     if (!hit) return std::nullopt;
     return surface_point(object.mesh, hit->triangle, hit->barycentric);
+}
+
+std::optional<double> range_at_pixel(const SimulatedObject& object,
+                                     int columns,
+                                     int rows,
+                                     const Vec2& pixel) {
+    const auto point = point_at_pixel(object, columns, rows, pixel);
+    if (!point) return std::nullopt;
+    const Vec3 outwards = rotate_about_y(
+        column_azimuth(*object.range_frame, columns, pixel.x() - 0.5), Vec3::UnitZ());
+    const Vec3 axis(0, point->position.y(), 0);
+    const auto distance = [&](double radius) { return object.distance(axis + radius * outwards); };
+    const double facet = std::hypot(point->position.x(), point->position.z());
+    double radius = facet;
+    for (int k = 0; k < kRangeSteps; ++k) {
+        const double slope =
+            (distance(radius + kRangeGradientStep) - distance(radius - kRangeGradientStep)) /
+            (2 * kRangeGradientStep);
+        radius -= distance(radius) / slope;
+        // Where the solid curves away from the ray there is none to be met: the facet stays.
+        if (!(std::abs(radius - facet) < kCoarsestCell)) return facet;
+    }
+    return radius;
 }
 
 }  // namespace patina

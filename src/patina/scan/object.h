@@ -56,4 +56,11 @@ struct SimulatedObject {
                                                          int rows,
                                                          const Vec2& pixel);
 
+// What the range finder measures there: the distance from the axis [m] of the solid itself, which
+// the mesh's facets cut by up to a few micrometres. For B and C.
+[[nodiscard]] std::optional<double> range_at_pixel(const SimulatedObject& object,
+                                                   int columns,
+                                                   int rows,
+                                                   const Vec2& pixel);
+
 }  // namespace patina

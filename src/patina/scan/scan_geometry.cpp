@@ -29,10 +29,10 @@ Image scan_range(const SimulatedObject& object, const ScanOptions& options) {
     parallel_for(range.data.size(), [&](std::size_t i) {
         const int column = int(i) % options.columns;
         const int row = int(i) / options.columns;
-        const auto point =
-            point_at_pixel(object, options.columns, options.rows, pixel_center(column, row));
-        if (!point) return;
-        const double radius = std::hypot(point->position.x(), point->position.z());
+        const auto measured =
+            range_at_pixel(object, options.columns, options.rows, pixel_center(column, row));
+        if (!measured) return;
+        const double radius = *measured;
         Rng rng = calibration_rng(options.seed, CalibrationError::geometry, i);
         const double noise = range_noise(*object.range_frame, radius, tilt, options) * rng.normal();
         range.data[i] = float(std::max(0.0, radius + noise));
