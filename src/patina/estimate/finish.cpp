@@ -5,6 +5,7 @@
 #include "patina/estimate/error_propagation.h"
 #include "patina/estimate/fill_errors.h"
 #include "patina/estimate/footprint_blur.h"
+#include "patina/estimate/informed_lobe.h"
 #include "patina/estimate/lobe_misfit.h"
 #include "patina/estimate/lobe_spread.h"
 #include "patina/estimate/mean_specular.h"
@@ -336,15 +337,19 @@ class Finisher {
             const Reflectance& map = estimate_.maps[i];
             Reflectance& error = estimate_.errors[i];
             // Where no lobe was measured at all, any may be there.
-            const double albedo = std::min(spread[i].specular_albedo, 1.0);
-            const double roughness = std::min(spread[i].roughness, 1.0);
-            const Parameters lobe = square(albedo) * budget.by_albedo.cwiseAbs2() +
-                                    square(roughness) * budget.by_roughness.cwiseAbs2();
-            error.diffuse = (error.diffuse.square() + lobe.head<3>().array()).sqrt();
-            error.specular =
-                map.specular * std::hypot(spread[i].specular_albedo, 2 * spread[i].roughness);
-            if (std::isnan(error.specular)) error.specular = kInfinity;
-            error.roughness = map.roughness * spread[i].roughness;
+            const LobeSpread capped = {std::min(spread[i].specular_albedo, 1.0),
+                                       std::min(spread[i].roughness, 1.0)};
+            const Eigen::Matrix2d lobe =
+                informed_covariance(capped, fits_[i].lobe_information.cast<double>());
+            const Parameters by_lobe =
+                lobe(0, 0) * budget.by_albedo.cwiseAbs2() +
+                2 * lobe(0, 1) * budget.by_albedo.cwiseProduct(budget.by_roughness) +
+                lobe(1, 1) * budget.by_roughness.cwiseAbs2();
+            error.diffuse = (error.diffuse.square() + by_lobe.head<3>().array()).sqrt();
+            const bool is_known = std::isfinite(spread[i].roughness);
+            const double log_specular = lobe(0, 0) - 4 * lobe(0, 1) + 4 * lobe(1, 1);
+            error.specular = is_known ? map.specular * std::sqrt(log_specular) : kInfinity;
+            error.roughness = is_known ? map.roughness * std::sqrt(lobe(1, 1)) : kInfinity;
         });
     }
 

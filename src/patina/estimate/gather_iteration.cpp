@@ -19,25 +19,16 @@ constexpr int kFreezeAfter = 4;
 // What is filled is solved to this share of the last turn's change, at most so roughly.
 constexpr double kFillShare = 0.01;
 constexpr double kRoughestFill = 1e-3;
-constexpr double kInitialRoughness = 0.2;  // [rad]
 // A look whose residual is more standard deviations away than this counts for less (Huber's
 // weight).
 constexpr double kOutlier = 2.0;
 constexpr std::size_t kMinLooksForOutliers = 5;
 // The median of |x| of three normal channels taken together, root of the median of chi^2(3) / 3.
 constexpr double kMedianMisfit = 0.888;
-// A lobe known to this share counts fully when it fills others.
-constexpr double kFullConfidenceError = 0.1;
-
 struct TurnSums {
     double squared_error = 0;
     double count = 0;
 };
-
-float confidence_of(double error, double value) {
-    const double share = error / std::max(value, 1e-12);
-    return float(std::min(1.0, square(kFullConfidenceError / std::max(share, 1e-6))));
-}
 
 }  // namespace
 
@@ -54,7 +45,8 @@ GatherIteration::GatherIteration(const Capture& capture,
       num_texels_(atlas_.texels.size()),
       fits_(num_texels_),
       robust_(observations.rows.size(), 1.0f),
-      geometry_fill_(atlas_, std::vector<Rgb>(num_texels_, Rgb::Ones())) {
+      geometry_fill_(atlas_, std::vector<Rgb>(num_texels_, Rgb::Ones())),
+      lobe_filling_(atlas_) {
     Reflectance start;
     start.roughness = kInitialRoughness;
     result_.maps.assign(num_texels_, start);
@@ -185,12 +177,15 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
     });
     if (!frozen) {
         update_noise_scale();
-        refit_unconfirmed(light, drop_unconfirmed(atlas_, fits_));
-        make_guide();
+        dropped_ = drop_unconfirmed(atlas_, fits_);
+        refit_unconfirmed(light);
+        lobe_filling_.set_guide(fits_);
     }
     const double last_change = result_.iterations.empty() ? 1 : result_.iterations.back().change;
     fill_unmeasured(
-        light, std::clamp(kFillShare * last_change, LinkSolverOptions().tolerance, kRoughestFill));
+        light,
+        std::clamp(kFillShare * last_change, LinkSolverOptions().tolerance, kRoughestFill),
+        frozen);
 
     IterationLog log;
     log.stage = stage;
@@ -275,13 +270,7 @@ void GatherIteration::update_noise_scale() {
     if (!misfits.empty()) result_.noise_scale = std::sqrt(median(std::move(misfits)));
 }
 
-void GatherIteration::make_guide() {
-    std::vector<Rgb> diffuse(num_texels_);
-    for (std::size_t i = 0; i < num_texels_; ++i) diffuse[i] = fits_[i].reflectance.diffuse;
-    color_fill_.emplace(atlas_, diffuse);
-}
-
-void GatherIteration::fill_unmeasured(const IndirectLight& light, double tolerance) {
+void GatherIteration::fill_unmeasured(const IndirectLight& light, double tolerance, bool frozen) {
     std::vector<float> confidence(num_texels_);
     std::vector<double> values(num_texels_);
     for (const Eigen::Index channel : {0, 1, 2}) {
@@ -296,50 +285,11 @@ void GatherIteration::fill_unmeasured(const IndirectLight& light, double toleran
         }
     }
     if (!is_held()) {
-        fill_roughness(tolerance, confidence, values);
+        lobe_filling_.fill_roughness(tolerance, fits_);
         refit_matte(light);
     }
-    fill_specular(tolerance, confidence, values);
-}
-
-void GatherIteration::fill_roughness(double tolerance,
-                                     std::vector<float>& confidence,
-                                     std::vector<double>& values) {
-    for (std::size_t i = 0; i < num_texels_; ++i) {
-        const TexelFit& fit = fits_[i];
-        const bool known = fit.observed && fit.roughness_measured;
-        confidence[i] =
-            known ? confidence_of(fit.roughness_error, fit.reflectance.roughness) : 0.0f;
-        values[i] = std::log(known ? fit.reflectance.roughness : result_.maps[i].roughness);
-    }
-    color_fill_->fill(confidence, std::log(kInitialRoughness), values, tolerance);
-    for (std::size_t i = 0; i < num_texels_; ++i) {
-        if (confidence[i] > 0) continue;
-        fits_[i].reflectance.roughness =
-            std::clamp(std::exp(values[i]), kMinRoughness, kMaxRoughness);
-    }
-}
-
-// Ps sigma^2, half the lobe's albedo, is what varies slowly where sigma does not.
-void GatherIteration::fill_specular(double tolerance,
-                                    std::vector<float>& confidence,
-                                    std::vector<double>& values) {
-    for (std::size_t i = 0; i < num_texels_; ++i) {
-        const TexelFit& fit = fits_[i];
-        const bool known = fit.observed && fit.specular_measured;
-        confidence[i] = !known ? 0.0f
-                        : fit.roughness_measured
-                            ? confidence_of(fit.specular_error, fit.reflectance.specular)
-                            : 1.0f;
-        const Reflectance& source = known ? fit.reflectance : result_.maps[i];
-        values[i] = source.specular * square(source.roughness);
-    }
-    color_fill_->fill(confidence, shared_lobe_, values, tolerance);
-    for (std::size_t i = 0; i < num_texels_; ++i) {
-        if (confidence[i] > 0) continue;
-        Reflectance& fit = fits_[i].reflectance;
-        fit.specular = std::max(0.0, values[i]) / square(fit.roughness);
-    }
+    lobe_filling_.fill_specular(tolerance, shared_lobe_, fits_);
+    inform_filled(light, frozen);
 }
 
 // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
@@ -358,13 +308,12 @@ void GatherIteration::refit_matte(const IndirectLight& light) {
 }
 
 // Texels whose lobe was taken back: Pd again, with the lobe that they are filled with.
-void GatherIteration::refit_unconfirmed(const IndirectLight& light,
-                                        const std::vector<std::uint8_t>& dropped) {
+void GatherIteration::refit_unconfirmed(const IndirectLight& light) {
     parallel_blocks(num_texels_, 256, [&](std::size_t begin, std::size_t end) {
         std::vector<FitRow> rows;
         JointFit joint;
         for (std::size_t i = begin; i < end; ++i) {
-            if (dropped[i] == 0) continue;
+            if (dropped_[i] == 0) continue;
             make_rows(i, light, rows);
             joint.load(rows);
             fits_[i].reflectance.diffuse =

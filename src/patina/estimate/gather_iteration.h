@@ -9,10 +9,10 @@
 #include "patina/estimate/gather_engine.h"
 #include "patina/estimate/guided_fill.h"
 #include "patina/estimate/joint_fit.h"
+#include "patina/estimate/lobe_filling.h"
 #include "patina/estimate/observations.h"
 #include "patina/estimate/texel_turn.h"
 
-#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -78,18 +78,20 @@ class GatherIteration {
 
     // All texels.
     void update_noise_scale();
-    void make_guide();
     // tolerance: of solve_links().
-    void fill_unmeasured(const IndirectLight& light, double tolerance);
-    void fill_roughness(double tolerance,
-                        std::vector<float>& confidence,
-                        std::vector<double>& values);
-    void fill_specular(double tolerance,
-                       std::vector<float>& confidence,
-                       std::vector<double>& values);
+    void fill_unmeasured(const IndirectLight& light, double tolerance, bool frozen);
     void refit_matte(const IndirectLight& light);
-    void refit_unconfirmed(const IndirectLight& light, const std::vector<std::uint8_t>& dropped);
+    void refit_unconfirmed(const IndirectLight& light);
     double update_maps();
+
+    // Filled lobes that looks reach into (gather_lobes.cpp).
+    void inform_filled(const IndirectLight& light, bool frozen);
+    void choose_informed(const IndirectLight& light);
+    [[nodiscard]] double trust_in_looks(const IndirectLight& light) const;
+    [[nodiscard]] std::vector<LobeEvidence> evidence_of_looks(const IndirectLight& light) const;
+    void take_informed(const IndirectLight& light,
+                       std::span<const LobeEvidence> evidence,
+                       bool frozen);
 
     const Capture& capture_;
     const TexelAtlas& atlas_;
@@ -100,11 +102,14 @@ class GatherIteration {
     std::size_t num_texels_;
     double lamp_factor_ = 1;
     double shared_lobe_ = 0;
+    double trust_ = 0;  // see evidence_weight()
     std::vector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held
     GuidedFill geometry_fill_;
-    std::optional<GuidedFill> color_fill_;
+    LobeFilling lobe_filling_;
+    std::vector<std::uint8_t>
+        dropped_;  // by drop_unconfirmed(), in the last turn that was not frozen
     IndirectLight light_;
     Estimate result_;
 };

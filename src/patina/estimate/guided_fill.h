@@ -36,13 +36,16 @@ class GuidedFill {
               std::span<double> values,
               double tolerance = LinkSolverOptions().tolerance) const;
 
+    // g, one per entry of atlas.neighbors, in (0, 1].
+    [[nodiscard]] std::span<const float> links() const { return link_; }
+
   private:
     [[nodiscard]] std::vector<double> trend(std::span<const float> confidence,
                                             std::span<const double> values) const;
 
     const TexelAtlas& atlas_;
     std::vector<Vec3> color_;  // log of the mean of Pd, and two chromaticities, in scaled units
-    std::vector<float> link_;  // g, one per entry of atlas.neighbors
+    std::vector<float> link_;  // see links()
 };
 
 }  // namespace patina

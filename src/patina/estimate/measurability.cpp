@@ -11,9 +11,6 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // What is left of the information on Ps once Pd is unknown counts as none below this share of it:
 // roundings of a difference.
 constexpr double kNoInformation = 1e-12;
-// Looks without any residual still bear some noise, so that no information stays an infinite error
-// [standard deviations].
-constexpr double kSmallestScale = 1e-6;
 
 // Information that the looks carry on Pd and Ps, sigma given, per channel.
 struct LobeInformation {
@@ -120,7 +117,7 @@ TexelMeasurability texel_measurability(std::span<const FitRow> rows,
                                        double noise_scale) {
     TexelMeasurability result;
     if (!fit.observed) return result;
-    const double scale = std::max({noise_scale, std::sqrt(fit.misfit), kSmallestScale});
+    const double scale = noise_scale_of(fit, noise_scale);
     result.errors = expected_errors(rows, map, scale);
     if (fit.roughness_measured) {
         result.reason = LobeReason::measured;

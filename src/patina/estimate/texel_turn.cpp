@@ -19,6 +19,9 @@ constexpr int kConfirmations = 32;
 constexpr std::size_t kSmallestClump = 9;
 constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 
+// Looks without any residual still bear some noise, so that no information stays an infinite error
+// [standard deviations].
+constexpr double kSmallestScale = 1e-6;
 // A lobe is shown when some lamp stands inside it; tails alone say too little of its height. One as
 // wide as the search allows is not a lobe but shading that the diffuse part did not explain.
 bool lobe_is_shown(std::span<const FitRow> rows, double roughness, const FitOptions& options) {
@@ -73,10 +76,14 @@ double largest_specular_error(double specular) {
 
 double largest_roughness_error(double roughness) { return kRoughnessRelativeError * roughness; }
 
-bool has_look_inside(std::span<const FitRow> rows, double roughness) {
-    return std::any_of(rows.begin(), rows.end(), [roughness](const FitRow& row) {
-        return row.theta_r < kInsideLobe * roughness;
+bool has_look_inside(std::span<const FitRow> rows, double roughness, double reach) {
+    return std::any_of(rows.begin(), rows.end(), [roughness, reach](const FitRow& row) {
+        return row.theta_r < reach * roughness;
     });
+}
+
+double noise_scale_of(const TexelFit& fit, double noise_scale) {
+    return std::max({noise_scale, std::sqrt(fit.misfit), kSmallestScale});
 }
 
 void judge_lobe(std::span<const FitRow> rows,
@@ -86,8 +93,7 @@ void judge_lobe(std::span<const FitRow> rows,
                 TexelFit& fit) {
     const FitErrors errors = fit_errors(rows, fit.reflectance);
     fit.misfit = errors.misfit;
-    // A texel that the model fits worse than others is known less well than its noise says.
-    const double scale = std::max(noise_scale, std::sqrt(errors.misfit));
+    const double scale = noise_scale_of(fit, noise_scale);
     const auto holds = [settled](bool before, double error, double limit) {
         return before ? error < kStayMeasured * limit : !settled && error < limit;
     };

@@ -3,6 +3,8 @@
 
 #include "patina/estimate/texel_fit.h"
 
+#include <Eigen/Core>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -15,10 +17,14 @@ struct TexelFit {
     bool observed = false;
     bool specular_measured = false;
     bool roughness_measured = false;
+    // The lobe is not measured, but the filled one was corrected by what looks tell of it.
+    bool informed = false;
     bool joint = false;  // fitted in one step: no T_diff pixels, or classes that do not settle
     double misfit = 1;   // see FitErrors
     double specular_error = 0;   // standard error of Ps when it was judged, all free [-]
     double roughness_error = 0;  // of sigma [rad]
+    // What the looks told of an informed lobe, see LobeEvidence.
+    Eigen::Matrix2f lobe_information = Eigen::Matrix2f::Zero();
 };
 
 // Ps counts as measured when its standard error is below the larger of these two: a share of Ps,
@@ -33,7 +39,13 @@ inline constexpr double kSpecularDetection = 3.0;
 [[nodiscard]] double largest_specular_error(double specular);
 [[nodiscard]] double largest_roughness_error(double roughness);
 // Whether some look lies inside a lobe of this sigma [rad].
-[[nodiscard]] bool has_look_inside(std::span<const FitRow> rows, double roughness);
+[[nodiscard]] bool has_look_inside(std::span<const FitRow> rows,
+                                   double roughness,
+                                   double reach = kInsideLobe);
+
+// Standard deviations of a texel's looks over the stated ones [-]: those of all texels
+// (Estimate::noise_scale), or more where the model fits it worse than others.
+[[nodiscard]] double noise_scale_of(const TexelFit& fit, double noise_scale);
 
 // Decides which of the lobe's parameters in fit.reflectance count as measured. What was measured
 // before stays so until it misses the mark by half. settled: what was not measured stays out.

@@ -31,10 +31,11 @@ constexpr double kCoarsestCell = 0.0012;
 constexpr double kTypicalRadius = 0.05;
 // Rays towards the axis start this far from it [m], outside of every figurine.
 constexpr double kOutside = 0.5;
-// Newton steps from a facet to the solid behind it, along the range finder's ray, and the step of
-// the derivative [m].
-constexpr int kRangeSteps = 4;
+// Secants from a facet to the solid behind it, along the range finder's ray: at most so many, the
+// first over this step, until this close [m].
+constexpr int kRangeSteps = 6;
 constexpr double kRangeGradientStep = 1e-5;
+constexpr double kOnSolid = 1e-9;
 // The range image begins this far above the base, whose rounded edge turns away below it, and ends
 // this far below the top [m].
 constexpr double kBaseMargin = 0.0015;
@@ -204,12 +205,16 @@ std::optional<double> range_at_pixel(const SimulatedObject& object,
     const Vec3 axis(0, point->position.y(), 0);
     const auto distance = [&](double radius) { return object.distance(axis + radius * outwards); };
     const double facet = std::hypot(point->position.x(), point->position.z());
+    double before = facet + kRangeGradientStep;
+    double before_distance = distance(before);
     double radius = facet;
     for (int k = 0; k < kRangeSteps; ++k) {
-        const double slope =
-            (distance(radius + kRangeGradientStep) - distance(radius - kRangeGradientStep)) /
-            (2 * kRangeGradientStep);
-        radius -= distance(radius) / slope;
+        const double here = distance(radius);
+        if (std::abs(here) < kOnSolid) break;
+        const double slope = (here - before_distance) / (radius - before);
+        before = radius;
+        before_distance = here;
+        radius -= here / slope;
         // Where the solid curves away from the ray there is none to be met: the facet stays.
         if (!(std::abs(radius - facet) < kCoarsestCell)) return facet;
     }
