@@ -16,6 +16,8 @@ constexpr int kDirectTurns = 2;
 // After so many turns what counts as measured, the weights of outliers and the guide of the filling
 // stay as they are, so that the iteration comes to rest.
 constexpr int kFreezeAfter = 4;
+// While the bounced light is hardly known, looks say nothing of lobes that they hardly show.
+constexpr int kUninformedTurns = 2;
 // What is filled is solved to this share of the last turn's change, at most so roughly.
 constexpr double kFillShare = 0.01;
 constexpr double kRoughestFill = 1e-3;
@@ -176,6 +178,7 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
         }
     });
     if (!frozen) {
+        num_free_turns_ += light.irradiance.empty() ? 0 : 1;
         update_noise_scale();
         dropped_ = drop_unconfirmed(atlas_, fits_);
         refit_unconfirmed(light);
@@ -289,7 +292,7 @@ void GatherIteration::fill_unmeasured(const IndirectLight& light, double toleran
         refit_matte(light);
     }
     lobe_filling_.fill_specular(tolerance, shared_lobe_, fits_);
-    inform_filled(light, frozen);
+    if (num_free_turns_ > kUninformedTurns) inform_filled(light, frozen);
 }
 
 // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.

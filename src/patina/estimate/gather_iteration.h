@@ -86,7 +86,7 @@ class GatherIteration {
 
     // Filled lobes that looks reach into (gather_lobes.cpp).
     void inform_filled(const IndirectLight& light, bool frozen);
-    void choose_informed(const IndirectLight& light);
+    void choose_informed();
     [[nodiscard]] double trust_in_looks(const IndirectLight& light) const;
     [[nodiscard]] std::vector<LobeEvidence> evidence_of_looks(const IndirectLight& light) const;
     void take_informed(const IndirectLight& light,
@@ -102,7 +102,8 @@ class GatherIteration {
     std::size_t num_texels_;
     double lamp_factor_ = 1;
     double shared_lobe_ = 0;
-    double trust_ = 0;  // see evidence_weight()
+    int num_free_turns_ = 0;  // under bounced light, not frozen
+    double trust_ = 0;        // see evidence_weight()
     std::vector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held

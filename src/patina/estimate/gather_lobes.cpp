@@ -16,12 +16,22 @@ constexpr double kLongestStep = 0.5;
 // nothing near enough to start from.
 constexpr double kVaguestFilling = 1.0;
 constexpr std::size_t kBlock = 256;
+// Of squares of so many texels, which hang together for pooling, one in so many is called to judge.
+constexpr int kJudgeSquare = 16;
+constexpr int kJudgeStride = 5;
+
+bool is_called(const Texel& texel) {
+    const int column = texel.column / kJudgeSquare;
+    const int row = texel.row / kJudgeSquare;
+    return (column + 2 * row) % kJudgeStride == 0;
+}
 
 }  // namespace
 
 void GatherIteration::inform_filled(const IndirectLight& light, bool frozen) {
     if (!frozen) {
-        choose_informed(light);
+        lobe_filling_.find_spread(fits_);
+        choose_informed();
         trust_ = trust_in_looks(light);
         if (trust_ == 0) {
             for (TexelFit& fit : fits_) fit.informed = false;
@@ -35,18 +45,17 @@ void GatherIteration::inform_filled(const IndirectLight& light, bool frozen) {
 }
 
 // Texels with a filled lobe that some look reaches, unless their looks were fitted by a stray one.
-void GatherIteration::choose_informed(const IndirectLight& light) {
-    parallel_blocks(num_texels_, kBlock, [&](std::size_t begin, std::size_t end) {
-        std::vector<FitRow> rows;
-        for (std::size_t i = begin; i < end; ++i) {
-            TexelFit& fit = fits_[i];
-            fit.informed = fit.observed && !fit.specular_measured && dropped_[i] == 0 &&
-                           lobe_filling_.has_lobe(i) && result_.maps[i].specular > 0 &&
-                           std::isfinite(lobe_filling_.spread(i).roughness);
-            if (!fit.informed) continue;
-            make_rows(i, light, rows);
-            fit.informed = has_look_inside(rows, fit.reflectance.roughness, kInformedReach);
-        }
+void GatherIteration::choose_informed() {
+    parallel_for(num_texels_, [&](std::size_t i) {
+        TexelFit& fit = fits_[i];
+        const double reach = kInformedReach * fit.reflectance.roughness;
+        const auto looks = observations_.of(i);
+        fit.informed = fit.observed && !fit.specular_measured && dropped_[i] == 0 &&
+                       lobe_filling_.has_lobe(i) && result_.maps[i].specular > 0 &&
+                       std::isfinite(lobe_filling_.spread(i).roughness) &&
+                       std::any_of(looks.begin(), looks.end(), [reach](const Observation& look) {
+                           return double(look.theta_r) < reach;
+                       });
     });
 }
 
@@ -76,7 +85,8 @@ double GatherIteration::trust_in_looks(const IndirectLight& light) const {
         JointFit joint;
         for (std::size_t i = begin; i < end; ++i) {
             const TexelFit& fit = fits_[i];
-            if (!fit.observed || !fit.roughness_measured || !(fit.reflectance.specular > 0)) {
+            if (!is_called(atlas_.texels[i]) || !fit.observed || !fit.roughness_measured ||
+                !(fit.reflectance.specular > 0)) {
                 continue;
             }
             make_rows(i, light, rows);

@@ -18,14 +18,6 @@ constexpr double kLeastSpread = 1e-6;
 constexpr std::size_t kFewestJudges = 50;
 constexpr std::array<double, 4> kEvidenceWeights = {1, 1.0 / 4, 1.0 / 16, 1.0 / 64};
 
-// Change of a row's radiance with ln(Ps sigma^2), sigma given, and with ln sigma, Ps sigma^2 given.
-std::array<Rgb, 2> slopes_of(const FitRow& row, const Reflectance& lobe) {
-    const Rgb by_albedo = lobe.specular / kPi * direct_lobe_basis(row, lobe.roughness);
-    const Rgb by_sigma =
-        lobe.specular / kPi * lobe.roughness * direct_lobe_basis_by_roughness(row, lobe.roughness);
-    return {by_albedo, by_sigma - 2 * by_albedo};
-}
-
 // Each texel's evidence and, with their links, its neighbours'.
 std::vector<LobeEvidence> with_neighbors(const TexelAtlas& atlas,
                                          std::span<const float> links,
@@ -75,8 +67,13 @@ LobeEvidence lobe_evidence(std::span<const FitRow> rows,
     std::array<Rgb, 2> hx = {Rgb::Zero(), Rgb::Zero()};
     for (const FitRow& row : rows) {
         const Rgb h = row.irradiance / kPi;
-        const std::array<Rgb, 2> x = slopes_of(row, reflectance);
-        const Rgb residual = row.radiance - predict(row, reflectance);
+        const LobeBasis lobe = lobe_basis_and_slope(row, reflectance.roughness);
+        const double specular = reflectance.specular / kPi;
+        const Rgb residual = row.radiance - reflectance.diffuse * h - specular * lobe.whole;
+        // Change with ln(Ps sigma^2), sigma given, and with ln sigma, Ps sigma^2 given.
+        const std::array<Rgb, 2> x = {
+            specular * lobe.direct,
+            specular * (reflectance.roughness * lobe.by_roughness - 2 * lobe.direct)};
         hh += row.weight * h * h;
         for (std::size_t a = 0; a < 2; ++a) {
             const Rgb weighted = row.weight * x[a];

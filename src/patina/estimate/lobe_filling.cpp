@@ -24,17 +24,20 @@ LobeFilling::LobeFilling(const TexelAtlas& atlas)
 
 void LobeFilling::set_guide(std::span<const TexelFit> fits) {
     std::vector<Rgb> diffuse(fits.size());
+    for (std::size_t i = 0; i < fits.size(); ++i) diffuse[i] = fits[i].reflectance.diffuse;
+    fill_.emplace(atlas_, diffuse);
+}
+
+void LobeFilling::find_spread(std::span<const TexelFit> fits) {
     std::vector<Reflectance> maps(fits.size());
     std::vector<Reflectance> errors(fits.size());
     std::vector<std::uint8_t> measured(fits.size());
     for (std::size_t i = 0; i < fits.size(); ++i) {
         maps[i] = fits[i].reflectance;
-        diffuse[i] = maps[i].diffuse;
         errors[i].specular = fits[i].specular_error;
         errors[i].roughness = fits[i].roughness_error;
         measured[i] = fits[i].observed && fits[i].roughness_measured;
     }
-    fill_.emplace(atlas_, diffuse);
     spread_ = fill_errors(atlas_, maps, errors, measured);
 }
 

@@ -22,8 +22,10 @@ class LobeFilling {
   public:
     explicit LobeFilling(const TexelAtlas& atlas);
 
-    // The guide, Pd, and how far filled lobes may be from the truth, for all fillings to come.
+    // The guide, Pd, for all fillings to come.
     void set_guide(std::span<const TexelFit> fits);
+    // How far filled lobes may be from the truth, for spread().
+    void find_spread(std::span<const TexelFit> fits);
 
     // ln sigma, and then Ps sigma^2, which varies slowly where sigma does not: of texels that do
     // not measure them. tolerance: of solve_links(). fallback: Ps sigma^2 where no lobe was
@@ -36,7 +38,7 @@ class LobeFilling {
     // As it was filled last; a lobe without albedo is none.
     [[nodiscard]] bool has_lobe(std::size_t texel) const { return specular_albedo_[texel] > 0; }
     [[nodiscard]] LogLobe lobe(std::size_t texel) const;
-    // Standard errors of its logarithms; zero for measured lobes.
+    // Standard errors of its logarithms, as they were found last; zero for measured lobes.
     [[nodiscard]] const LobeSpread& spread(std::size_t texel) const { return spread_[texel]; }
 
   private:

@@ -206,6 +206,18 @@ Rgb lobe_basis(const FitRow& row, double roughness) {
     return direct_lobe_basis(row, roughness) + indirect_lobe_basis(row, roughness);
 }
 
+LobeBasis lobe_basis_and_slope(const FitRow& row, double roughness) {
+    LobeBasis basis;
+    for (const LampTerm& lamp : row.lamps) {
+        const Rgb image = lamp.irradiance.cast<double>() *
+                          (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness));
+        basis.direct += image;
+        basis.by_roughness += image * log_slope(lamp, roughness);
+    }
+    basis.whole = basis.direct + indirect_lobe_basis(row, roughness);
+    return basis;
+}
+
 Rgb predict(const FitRow& row, const Reflectance& reflectance) {
     return (reflectance.diffuse * row.irradiance +
             reflectance.specular * lobe_basis(row, reflectance.roughness)) /
@@ -301,21 +313,11 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
     std::array<ChannelInformation, 3> channels;
     double squared = 0;
     for (const FitRow& row : rows) {
-        // direct_lobe_basis() and its derivative, from one exponential for each lamp.
-        Rgb basis = Rgb::Zero();
-        Rgb by_roughness = Rgb::Zero();
-        for (const LampTerm& lamp : row.lamps) {
-            const double roughness = reflectance.roughness;
-            const Rgb image = lamp.irradiance.cast<double>() *
-                              (double(lamp.lobe_cosines) * spread_gaussian(lamp, roughness));
-            basis += image;
-            by_roughness += image * log_slope(lamp, roughness);
-        }
+        const LobeBasis basis = lobe_basis_and_slope(row, reflectance.roughness);
         const Rgb h = row.irradiance / kPi;
-        const Rgb b = basis / kPi;
-        const Rgb d = reflectance.specular * by_roughness / kPi;
-        const Rgb lobe = basis + indirect_lobe_basis(row, reflectance.roughness);
-        const Rgb predicted = reflectance.diffuse * h + reflectance.specular * lobe / kPi;
+        const Rgb b = basis.direct / kPi;
+        const Rgb d = reflectance.specular * basis.by_roughness / kPi;
+        const Rgb predicted = reflectance.diffuse * h + reflectance.specular * basis.whole / kPi;
         squared += (row.weight * (row.radiance - predicted).square()).sum();
         for (std::size_t c = 0; c < 3; ++c) {
             const auto i = static_cast<Eigen::Index>(c);

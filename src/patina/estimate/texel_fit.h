@@ -48,6 +48,14 @@ struct FitRow {
 [[nodiscard]] Rgb direct_lobe_basis(const FitRow& row, double roughness);
 [[nodiscard]] Rgb direct_lobe_basis_by_roughness(const FitRow& row, double roughness);
 
+// All of them with one exponential for each lamp.
+struct LobeBasis {
+    Rgb direct = Rgb::Zero();        // direct_lobe_basis()
+    Rgb by_roughness = Rgb::Zero();  // direct_lobe_basis_by_roughness()
+    Rgb whole = Rgb::Zero();         // lobe_basis()
+};
+[[nodiscard]] LobeBasis lobe_basis_and_slope(const FitRow& row, double roughness);
+
 // Radiance that the model predicts.
 [[nodiscard]] Rgb predict(const FitRow& row, const Reflectance& reflectance);
 
