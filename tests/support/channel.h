@@ -8,6 +8,8 @@
 #include "support/scenes.h"
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace patina {
@@ -100,6 +102,31 @@ inline const double kChannelBias =
                                           SobolSampler& sampler) {
     const auto [choice, unused] = sampler.next_pair();
     return patch[std::min(std::size_t(choice * double(patch.size())), patch.size() - 1)];
+}
+
+// Irradiance by bounced light at the centres of a patch's texels, by path tracing: of all lamps, in
+// the mean over texels and channels. num_samples: of each of 128 randomisations.
+[[nodiscard]] inline SampleMean traced_irradiance(const Channel& channel,
+                                                  const std::vector<TexelId>& patch,
+                                                  std::span<const Reflectance> maps,
+                                                  int max_bounces,
+                                                  std::size_t num_samples,
+                                                  std::uint64_t seed) {
+    PathTracerOptions options;
+    options.max_bounces = max_bounces;
+    const ReflectanceField field =
+        ReflectanceField::per_texel(channel.scene.mesh, channel.atlas, maps);
+    return randomised_mean(128, num_samples, seed, [&](SobolSampler& sampler) {
+        const TexelId texel = random_texel(patch, sampler);
+        return trace_indirect_irradiance(channel.scene.surface(),
+                                         field,
+                                         channel.scene.lights,
+                                         0,
+                                         channel.atlas.texels[texel].point,
+                                         options,
+                                         sampler)
+            .mean();
+    });
 }
 
 // One sample of what IndirectLobe holds, for a lobe of the given sigma [rad] at `point`: a

@@ -17,6 +17,8 @@ constexpr double kStayMeasured = 1.5;
 // last. So many turns of that, and the fewest texels that a clump of lobes may have then.
 constexpr int kConfirmations = 32;
 constexpr std::size_t kSmallestClump = 9;
+// Specular albedos of neighbours that confirm each other lie within this factor.
+constexpr double kLikeAlbedo = 2.0;
 constexpr double kWidestShare = 0.8;  // of the widest sigma searched
 
 // Looks without any residual still bear some noise, so that no information stays an infinite error
@@ -66,6 +68,35 @@ std::vector<std::vector<TexelId>> measured_clumps(const TexelAtlas& atlas,
         }
     }
     return clumps;
+}
+
+// Whether `neighbor` has measured a lobe like that of texel i.
+bool confirms(std::span<const TexelFit> fits, std::size_t neighbor, std::size_t i) {
+    const auto specular_albedo = [](const TexelFit& fit) {
+        return fit.reflectance.specular * square(fit.reflectance.roughness);
+    };
+    if (!fits[neighbor].specular_measured) return false;
+    const bool glossy = fits[i].roughness_measured;
+    if (fits[neighbor].roughness_measured != glossy) return false;
+    const double ratio = glossy ? specular_albedo(fits[neighbor]) / specular_albedo(fits[i]) : 1.0;
+    return ratio < kLikeAlbedo && ratio * kLikeAlbedo > 1;
+}
+
+// Measured texels that less than half of their neighbours confirm.
+std::vector<std::uint8_t> without_majority(const TexelAtlas& atlas,
+                                           std::span<const TexelFit> fits) {
+    std::vector<std::uint8_t> found(fits.size(), 0);
+    parallel_for(fits.size(), [&](std::size_t i) {
+        if (!fits[i].specular_measured) return;
+        const std::uint32_t begin = atlas.neighbor_begin[i];
+        const std::uint32_t end = atlas.neighbor_begin[i + 1];
+        std::uint32_t num_confirming = 0;
+        for (std::uint32_t k = begin; k < end; ++k) {
+            num_confirming += confirms(fits, atlas.neighbors[k], i) ? 1 : 0;
+        }
+        found[i] = 2 * num_confirming < end - begin;
+    });
+    return found;
 }
 
 }  // namespace
@@ -159,17 +190,6 @@ void MapChange::move(Reflectance& map, const Reflectance& next) {
 }
 
 std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
-    constexpr double kLargestFactor = 2.0;
-    const auto specular_albedo = [&fits](std::size_t i) {
-        return fits[i].reflectance.specular * square(fits[i].reflectance.roughness);
-    };
-    const auto confirms = [&](std::size_t neighbor, std::size_t i) {
-        if (!fits[neighbor].specular_measured) return false;
-        const bool glossy = fits[i].roughness_measured;
-        if (fits[neighbor].roughness_measured != glossy) return false;
-        const double ratio = glossy ? specular_albedo(neighbor) / specular_albedo(i) : 1.0;
-        return ratio < kLargestFactor && ratio * kLargestFactor > 1;
-    };
     std::vector<std::uint8_t> dropped(fits.size(), 0);
     const auto drop = [&](std::size_t i) {
         fits[i].specular_measured = fits[i].roughness_measured = false;
@@ -177,17 +197,7 @@ std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<Te
     };
     std::size_t num_dropped = 1;
     for (int pass = 0; pass < kConfirmations && num_dropped > 0; ++pass) {
-        std::vector<std::uint8_t> now(fits.size(), 0);
-        parallel_for(fits.size(), [&](std::size_t i) {
-            if (!fits[i].specular_measured) return;
-            const std::uint32_t begin = atlas.neighbor_begin[i];
-            const std::uint32_t end = atlas.neighbor_begin[i + 1];
-            std::uint32_t num_confirming = 0;
-            for (std::uint32_t k = begin; k < end; ++k) {
-                num_confirming += confirms(atlas.neighbors[k], i) ? 1 : 0;
-            }
-            now[i] = 2 * num_confirming < end - begin;
-        });
+        const std::vector<std::uint8_t> now = without_majority(atlas, fits);
         num_dropped = 0;
         for (std::size_t i = 0; i < fits.size(); ++i) {
             if (now[i] == 0) continue;

@@ -218,21 +218,7 @@ class GatherChannel : public testing::Test {
     static SampleMean reference(const std::vector<TexelId>& patch,
                                 std::span<const Reflectance> maps,
                                 int max_bounces) {
-        PathTracerOptions options;
-        options.max_bounces = max_bounces;
-        const ReflectanceField field =
-            ReflectanceField::per_texel(channel_->scene.mesh, channel_->atlas, maps);
-        return randomised_mean(128, 2048, 1, [&](SobolSampler& sampler) {
-            const TexelId texel = random_texel(patch, sampler);
-            return trace_indirect_irradiance(channel_->scene.surface(),
-                                             field,
-                                             channel_->scene.lights,
-                                             0,
-                                             channel_->atlas.texels[texel].point,
-                                             options,
-                                             sampler)
-                .mean();
-        });
+        return traced_irradiance(*channel_, patch, maps, max_bounces, 2048, 1);
     }
     // What lobes send on of indirect light, Ps A H, is spread evenly: its energy is right, its
     // directions are not. It errs by no more than itself, which is at most this share of what

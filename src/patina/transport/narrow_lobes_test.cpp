@@ -115,21 +115,7 @@ class NarrowLobesOfAChannel : public testing::Test {
     }
     // By path tracing.
     static SampleMean reference(std::size_t plate, const std::vector<Reflectance>& maps) {
-        PathTracerOptions options;
-        options.max_bounces = 1;
-        const ReflectanceField field =
-            ReflectanceField::per_texel(channel_->scene.mesh, channel_->atlas, maps);
-        return randomised_mean(128, 8192, plate, [&](SobolSampler& sampler) {
-            const TexelId texel = random_texel(channel_->plates[plate], sampler);
-            return trace_indirect_irradiance(channel_->scene.surface(),
-                                             field,
-                                             channel_->scene.lights,
-                                             0,
-                                             channel_->atlas.texels[texel].point,
-                                             options,
-                                             sampler)
-                .mean();
-        });
+        return traced_irradiance(*channel_, channel_->plates[plate], maps, 1, 8192, plate);
     }
     static std::vector<double> sum_of(const std::vector<double>& a, const std::vector<double>& b) {
         std::vector<double> sum = a;
