@@ -89,6 +89,20 @@ TEST(InformedLobe, ErrsAsItsCovarianceSays) {
     EXPECT_NEAR(sum / kTexels, 2, normal_quantile(1 - 0.5e-5) * std::sqrt(4.0 / kTexels));
 }
 
+TEST(InformedLobe, MeasuredLobesJudgeTheLooks) {
+    constexpr LobeSpread kSpread = {0.2, 0.1};
+    LobeEvidence own;
+    own.information = informed_covariance(kSpread, Eigen::Matrix2d::Zero()).inverse() * 1e4;
+    // The looks confirm each measured lobe.
+    std::vector<LobeEvidence> judges(100, own);
+    EXPECT_EQ(evidence_weight(judges, kSpread), 1);
+    // They are sure of a lobe that is off by more than the filling ever is, at any weight.
+    for (LobeEvidence& judge : judges) judge.pull = own.information * LogLobe(1, 0.5);
+    EXPECT_EQ(evidence_weight(judges, kSpread), 0);
+    // Too few to say.
+    EXPECT_EQ(evidence_weight(std::vector<LobeEvidence>(10, own), kSpread), 0);
+}
+
 TEST(InformedLobe, PoolsWhatNeighboursTell) {
     constexpr int kSide = 7;
     const TexelAtlas atlas =
