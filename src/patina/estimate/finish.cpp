@@ -336,20 +336,24 @@ class Finisher {
             const ErrorBudget& budget = budgets_[i];
             const Reflectance& map = estimate_.maps[i];
             Reflectance& error = estimate_.errors[i];
+            const Eigen::Matrix2d information = fits_[i].lobe_information.cast<double>();
             // Where no lobe was measured at all, any may be there.
-            const LobeSpread capped = {std::min(spread[i].specular_albedo, 1.0),
-                                       std::min(spread[i].roughness, 1.0)};
-            const Eigen::Matrix2d lobe =
-                informed_covariance(capped, fits_[i].lobe_information.cast<double>());
+            const Eigen::Matrix2d lobe = informed_covariance(
+                {std::min(spread[i].specular_albedo, 1.0), std::min(spread[i].roughness, 1.0)},
+                information);
             const Parameters by_lobe =
                 lobe(0, 0) * budget.by_albedo.cwiseAbs2() +
                 2 * lobe(0, 1) * budget.by_albedo.cwiseProduct(budget.by_roughness) +
                 lobe(1, 1) * budget.by_roughness.cwiseAbs2();
             error.diffuse = (error.diffuse.square() + by_lobe.head<3>().array()).sqrt();
-            const bool is_known = std::isfinite(spread[i].roughness);
-            const double log_specular = lobe(0, 0) - 4 * lobe(0, 1) + 4 * lobe(1, 1);
-            error.specular = is_known ? map.specular * std::sqrt(log_specular) : kInfinity;
-            error.roughness = is_known ? map.roughness * std::sqrt(lobe(1, 1)) : kInfinity;
+            error.specular = error.roughness = kInfinity;
+            if (!std::isfinite(spread[i].specular_albedo) || !std::isfinite(spread[i].roughness)) {
+                return;
+            }
+            const Eigen::Matrix2d known = informed_covariance(spread[i], information);
+            error.specular =
+                map.specular * std::sqrt(known(0, 0) - 4 * known(0, 1) + 4 * known(1, 1));
+            error.roughness = map.roughness * std::sqrt(known(1, 1));
         });
     }
 

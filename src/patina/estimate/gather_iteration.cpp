@@ -27,6 +27,7 @@ constexpr double kOutlier = 2.0;
 constexpr std::size_t kMinLooksForOutliers = 5;
 // The median of |x| of three normal channels taken together, root of the median of chi^2(3) / 3.
 constexpr double kMedianMisfit = 0.888;
+
 struct TurnSums {
     double squared_error = 0;
     double count = 0;
