@@ -1,6 +1,7 @@
 #include "patina/estimate/error_propagation.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
 #include <algorithm>
 
@@ -58,20 +59,15 @@ ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
         Jacobian& jacobian = jacobians_[j];
         jacobian.setZero();
         Parameters sum = Parameters::Zero();
-        Rgb z;
         for (int c = 0; c < 3; ++c) {
             jacobian(c, c) = h[c];
             if (free > kSpecular) jacobian(kSpecular, c) = b[c];
             if (free > kRoughness) jacobian(kRoughness, c) = d[c];
             const Parameters column = jacobian.col(c);
             information += row.weight[c] * column * column.transpose();
-            const double root = std::sqrt(row.weight[c]);
-            sum += root * column;
-            z[c] = root * residuals_[j][c];
+            sum += std::sqrt(row.weight[c]) * column;
         }
         shared += sum * sum.transpose();
-        moments_.own += z.square().sum();
-        moments_.shared += square(z.sum()) - z.square().sum();
     }
     // A channel's Pd is its own; the lobe's parameters are shared by the three channels.
     moments_.freedom =
@@ -85,6 +81,20 @@ ErrorPropagation::ErrorPropagation(std::span<const FitRow> rows,
     own_variance_ = inverse_.diagonal().cwiseMax(0.0);
     shared_covariance_ = inverse_ * shared * inverse_;
     shared_variance_ = shared_covariance_.diagonal().cwiseMax(0.0);
+    leave_least_residuals();
+    for (std::size_t j = 0; j < rows.size(); ++j) {
+        const Rgb z = rows[j].weight.sqrt() * residuals_[j];
+        moments_.own += z.square().sum();
+        moments_.shared += square(z.sum()) - z.square().sum();
+    }
+}
+
+// A lobe that was drawn towards its neighbours' explains its own looks less well than it might.
+void ErrorPropagation::leave_least_residuals() {
+    const Parameters step = response(residuals_);
+    for (std::size_t j = 0; j < rows_.size(); ++j) {
+        residuals_[j] -= (jacobians_[j].transpose() * step).array();
+    }
 }
 
 Parameters ErrorPropagation::pull(std::span<const Rgb> radiance_change) const {
@@ -97,6 +107,19 @@ Parameters ErrorPropagation::pull(std::span<const Rgb> radiance_change) const {
 
 Parameters ErrorPropagation::response(std::span<const Rgb> radiance_change) const {
     return inverse_ * pull(radiance_change);
+}
+
+// C - C E (I + P E' C E)^-1 P E' C, E the columns of Ps and sigma, P the other information
+// (Woodbury).
+Parameters ErrorPropagation::share_beside(const Eigen::Matrix2d& information,
+                                          double noise_scale) const {
+    const Covariance covariance = square(noise_scale) * inverse_;
+    const Eigen::Matrix<double, kNumParameters, 2> by_lobe = covariance.middleCols<2>(kSpecular);
+    const Eigen::Matrix2d told = information * by_lobe.middleRows<2>(kSpecular);
+    const Eigen::Matrix2d taken = (Eigen::Matrix2d::Identity() + told).inverse() * information;
+    const Parameters left =
+        covariance.diagonal() - (by_lobe * taken * by_lobe.transpose()).diagonal();
+    return left.cwiseQuotient(covariance.diagonal()).cwiseMax(0.0).cwiseMin(1.0);
 }
 
 // The fit takes off a part of every residual, z = (I - H) e with H = D' M D, D = J W^(1/2), M the

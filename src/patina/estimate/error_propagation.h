@@ -49,7 +49,13 @@ class ErrorPropagation {
     [[nodiscard]] Parameters pull(std::span<const Rgb> radiance_change) const;
     // Change of the estimate when the observed radiance of every row changes by so much.
     [[nodiscard]] Parameters response(std::span<const Rgb> radiance_change) const;
-    // Observed less predicted radiance of every row [radiance].
+    // Of each parameter's variance the share that is left when something else besides the looks
+    // tells `information` of (Ps, sigma), which must be free [0 to 1]. noise_scale: standard
+    // deviations of the looks over the stated ones.
+    [[nodiscard]] Parameters share_beside(const Eigen::Matrix2d& information,
+                                          double noise_scale) const;
+    // Observed radiance of every row less that predicted by the best fit, in the linearised model
+    // [radiance].
     [[nodiscard]] const std::vector<Rgb>& residuals() const { return residuals_; }
     // Variances of the estimate when every z has variance 1: independent in all looks and channels.
     [[nodiscard]] const Parameters& own_variance() const { return own_variance_; }
@@ -59,6 +65,8 @@ class ErrorPropagation {
     [[nodiscard]] InfluenceMoments influence() const;
 
   private:
+    void leave_least_residuals();
+
     using Jacobian = Eigen::Matrix<double, kNumParameters, 3>;  // a column per channel
     using Covariance = Eigen::Matrix<double, kNumParameters, kNumParameters>;
     std::span<const FitRow> rows_;

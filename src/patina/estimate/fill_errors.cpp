@@ -1,9 +1,6 @@
 #include "patina/estimate/fill_errors.h"
 
-#include "patina/base/parallel.h"
-
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 
@@ -12,44 +9,20 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 // Distances of the variogram: 1, 2, 4 ... texels.
-constexpr std::size_t kNumLags = 8;
-// Pairs whose Pd differs by more than this share say nothing of one material.
-constexpr double kLikeDiffuse = 0.2;
-constexpr double kFewestPairs = 20;
+constexpr int kNumLags = 8;
 
-struct Differences {
-    double specular_albedo = 0;  // sums of squares
-    double roughness = 0;
-    double count = 0;
-    Differences& operator+=(const Differences& other) {
-        specular_albedo += other.specular_albedo;
-        roughness += other.roughness;
-        count += other.count;
-        return *this;
-    }
-};
-
-// Variances of the logarithms of a measured texel.
-LobeSpread own_variance(const Reflectance& map, const Reflectance& error) {
-    const double roughness = square(error.roughness / map.roughness);
-    // Errors of Ps and sigma go against each other, so their product is known better than this.
-    return {square(error.specular / map.specular), roughness};
-}
-
-class Variogram {
+// How far lobes are apart at any distance.
+class SpreadOverDistance {
   public:
-    Variogram(const TexelAtlas& atlas,
-              std::span<const Reflectance> maps,
-              std::span<const Reflectance> errors,
-              std::span<const std::uint8_t> measured)
-        : atlas_(atlas), maps_(maps), errors_(errors), measured_(measured) {
-        for (std::size_t k = 0; k < kNumLags; ++k) {
-            const Differences sums = ordered_reduce(
-                maps.size(), Differences(), [&](std::size_t i) { return pairs_of(i, 1 << k); });
-            if (sums.count < kFewestPairs) continue;
-            lags_.push_back(std::log2(double(1 << k)));
-            variances_.push_back({std::max(0.0, sums.specular_albedo / sums.count),
-                                  std::max(0.0, sums.roughness / sums.count)});
+    explicit SpreadOverDistance(const LobeVariogram& variogram) {
+        for (int k = 0; k < kNumLags; ++k) {
+            const LobeDifferences differences = variogram.at(1 << k);
+            if (!LobeVariogram::tells(differences)) continue;
+            lags_.push_back(k);
+            const LobeSpread& whole = differences.whole;
+            const LobeSpread& own = differences.own;
+            variances_.push_back({std::max(0.0, whole.specular_albedo - own.specular_albedo),
+                                  std::max(0.0, whole.roughness - own.roughness)});
             if (variances_.size() < 2) continue;
             // What is further away is not known better.
             const LobeSpread& nearer = variances_[variances_.size() - 2];
@@ -73,39 +46,6 @@ class Variogram {
     }
 
   private:
-    [[nodiscard]] Differences pairs_of(std::size_t i, int lag) const {
-        Differences sums;
-        if (measured_[i] == 0) return sums;
-        const Texel& texel = atlas_.texels[i];
-        const int right = texel.column + lag;
-        const int column = atlas_.wraps_around ? right % atlas_.width : right;
-        add_pair(i, column, texel.row, sums);
-        add_pair(i, texel.column, texel.row + lag, sums);
-        return sums;
-    }
-
-    void add_pair(std::size_t i, int column, int row, Differences& sums) const {
-        if (column >= atlas_.width || row >= atlas_.height) return;
-        const TexelId other =
-            atlas_.cell_texel[std::size_t(row) * std::size_t(atlas_.width) + std::size_t(column)];
-        if (other == kNoTexel || measured_[other] == 0) return;
-        const Reflectance& a = maps_[i];
-        const Reflectance& b = maps_[other];
-        if (!((a.diffuse - b.diffuse).abs() <= kLikeDiffuse * a.diffuse.max(b.diffuse)).all())
-            return;
-        const LobeSpread noise_a = own_variance(a, errors_[i]);
-        const LobeSpread noise_b = own_variance(b, errors_[other]);
-        const double roughness = std::log(a.roughness / b.roughness);
-        const double albedo = std::log(a.specular / b.specular) + 2 * roughness;
-        sums += {square(albedo) - noise_a.specular_albedo - noise_b.specular_albedo,
-                 square(roughness) - noise_a.roughness - noise_b.roughness,
-                 1.0};
-    }
-
-    const TexelAtlas& atlas_;
-    std::span<const Reflectance> maps_;
-    std::span<const Reflectance> errors_;
-    std::span<const std::uint8_t> measured_;
     std::vector<double> lags_;  // log2 of texels
     std::vector<LobeSpread> variances_;
 };
@@ -146,7 +86,7 @@ std::vector<LobeSpread> fill_errors(const TexelAtlas& atlas,
                                     std::span<const Reflectance> maps,
                                     std::span<const Reflectance> errors,
                                     std::span<const std::uint8_t> measured) {
-    const Variogram variogram(atlas, maps, errors, measured);
+    const SpreadOverDistance spread(LobeVariogram(atlas, maps, errors, measured));
     const std::vector<Source> sources = nearest_measured(atlas, measured);
     std::vector<LobeSpread> result(maps.size(), {0, 0});
     for (std::size_t i = 0; i < result.size(); ++i) {
@@ -156,7 +96,7 @@ std::vector<LobeSpread> fill_errors(const TexelAtlas& atlas,
             result[i] = {kInfinity, kInfinity};
             continue;
         }
-        const LobeSpread there = variogram.at(source.distance);
+        const LobeSpread there = spread.at(source.distance);
         const LobeSpread own = own_variance(maps[source.texel], errors[source.texel]);
         result[i] = {std::sqrt(square(there.specular_albedo) + own.specular_albedo),
                      std::sqrt(square(there.roughness) + own.roughness)};

@@ -2,8 +2,7 @@
 // the distance from which it was filled. docs/uncertainty.md.
 #pragma once
 
-#include "patina/reflectance/lobe.h"
-#include "patina/scene/atlas.h"
+#include "patina/estimate/lobe_variogram.h"
 
 #include <cstdint>
 #include <span>
@@ -11,13 +10,8 @@
 
 namespace patina {
 
-// Standard errors of logarithms [-]; +infinity where no lobe was measured to judge by.
-struct LobeSpread {
-    double specular_albedo;  // of ln(Ps sigma^2)
-    double roughness;        // of ln sigma
-};
-
-// One entry per texel; zero for measured ones. errors: standard errors of the measured lobes.
+// Standard errors, one entry per texel; zero for measured ones, +infinity where no lobe was
+// measured to judge by. errors: standard errors of the measured lobes.
 //
 // A variogram: the mean squared difference of ln sigma and of ln(Ps sigma^2) between measured
 // texels of like Pd, so many texels apart along rows and columns, less their own errors; read at

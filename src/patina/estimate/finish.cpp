@@ -43,9 +43,10 @@ struct ErrorBudget {
     Parameters stated = Parameters::Zero();     // stated errors, and the indirect light's bias
     Parameters transport = Parameters::Zero();  // the indirect light's noise
     Parameters blur = Parameters::Zero();       // pixels wider than a point
-    // Of a filled lobe: change of Pd per change of ln(Ps sigma^2) and of ln sigma.
-    Parameters by_albedo = Parameters::Zero();
-    Parameters by_roughness = Parameters::Zero();
+    // What is left of the looks' random errors when neighbours have their say [0 to 1].
+    Parameters share = Parameters::Ones();
+    Eigen::Matrix<double, 3, 2> diffuse_by_lobe =
+        Eigen::Matrix<double, 3, 2>::Zero();  // see add_filled_errors()
 };
 
 class Finisher {
@@ -124,6 +125,12 @@ class Finisher {
         const ErrorPropagation propagation(rows, fitted, known_lobe(fits_[i]));
         ErrorBudget& budget = budgets_[i];
         evidence_[i] = residual_evidence(propagation);
+        if (was_drawn(i)) {
+            const Eigen::Matrix2d to_log = by_log_lobe(fitted).inverse();
+            budget.share = propagation.share_beside(
+                to_log.transpose() * fits_[i].neighbor_information.cast<double>() * to_log,
+                noise_scale_of(fits_[i], estimate_.noise_scale));
+        }
         std::vector<std::vector<Rgb>> changes;
         std::vector<SharedChange> shared = calibration_.light_shifts(i, rows, fitted);
         calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change, auto shared_error) {
@@ -141,6 +148,10 @@ class Finisher {
         }
         add_indirect(i, rows, propagation);
         if (known_lobe(fits_[i]) == KnownLobe::none) add_filled_lobe(i, rows, propagation);
+    }
+
+    [[nodiscard]] bool was_drawn(std::size_t i) const {
+        return fits_[i].roughness_measured && !fits_[i].neighbor_information.isZero();
     }
 
     [[nodiscard]] bool is_shift(std::size_t shared_error) const {
@@ -213,8 +224,8 @@ class Finisher {
                            direct_lobe_basis_by_roughness(rows[k], map.roughness) -
                        2 * brighter[k];
         }
-        budgets_[i].by_albedo = propagation.response(brighter);
-        budgets_[i].by_roughness = propagation.response(wider);
+        budgets_[i].diffuse_by_lobe << propagation.response(brighter).head<3>(),
+            propagation.response(wider).head<3>();
     }
 
     void add_indirect(std::size_t i,
@@ -287,8 +298,12 @@ class Finisher {
         for (std::size_t i = 0; i < num_texels; ++i) budgets_[i].blur = blur[i];
     }
 
-    // What differs from texel to texel at random.
+    // What differs from texel to texel at random, of a lobe that was drawn towards its neighbours'.
     [[nodiscard]] Parameters random_variance(std::size_t i) const {
+        return own_random_variance(i).cwiseProduct(budgets_[i].share);
+    }
+    // Of its own looks alone.
+    [[nodiscard]] Parameters own_random_variance(std::size_t i) const {
         return residual_.variance[i] + budgets_[i].transport;
     }
 
@@ -306,54 +321,46 @@ class Finisher {
         estimate_.lobe_misfit = lobe_misfit_factor(std::move(misfits));
     }
 
-    void put_together(std::size_t i) {
-        Reflectance& error = estimate_.errors[i];
+    void put_together(std::size_t i) { estimate_.errors[i] = errors_with(i, random_variance(i)); }
+
+    [[nodiscard]] Reflectance errors_with(std::size_t i, const Parameters& random) const {
+        Reflectance error;
         error.diffuse = Rgb::Constant(kInfinity);
         error.specular = kInfinity;
         error.roughness = kInfinity;
-        if (!fits_[i].observed) return;
+        if (!fits_[i].observed) return error;
         const ErrorBudget& budget = budgets_[i];
-        const Parameters variance = random_variance(i) + budget.stated + budget.blur;
+        const Parameters variance = random + budget.stated + budget.blur;
         const double misfit = estimate_.lobe_misfit;
         error.diffuse = variance.head<3>().array().sqrt();
         if (fits_[i].specular_measured) {
             error.specular = misfit * specular_ratios_[i] * std::sqrt(variance[3]);
         }
         if (fits_[i].roughness_measured) error.roughness = misfit * std::sqrt(variance[4]);
+        return error;
     }
 
     // Of lobes that others filled, and of the Pd that was fitted with them.
     void add_fill_errors() {
         const std::size_t num_texels = fits_.size();
         std::vector<std::uint8_t> measured(num_texels);
+        // Lobes as they were before their neighbours had a say: these filled the others.
+        std::vector<Reflectance> own = estimate_.maps;
+        std::vector<Reflectance> own_errors = estimate_.errors;
         for (std::size_t i = 0; i < num_texels; ++i) {
             measured[i] = fits_[i].observed && fits_[i].roughness_measured;
+            if (!was_drawn(i)) continue;
+            own[i] = fits_[i].reflectance;
+            own_errors[i] = errors_with(i, own_random_variance(i));
         }
-        const std::vector<LobeSpread> spread =
-            fill_errors(atlas_, estimate_.maps, estimate_.errors, measured);
+        const std::vector<LobeSpread> spread = fill_errors(atlas_, own, own_errors, measured);
         parallel_for(num_texels, [&](std::size_t i) {
             if (!fits_[i].observed || fits_[i].specular_measured) return;
-            const ErrorBudget& budget = budgets_[i];
-            const Reflectance& map = estimate_.maps[i];
-            Reflectance& error = estimate_.errors[i];
-            const Eigen::Matrix2d information = fits_[i].lobe_information.cast<double>();
-            // Where no lobe was measured at all, any may be there.
-            const Eigen::Matrix2d lobe = informed_covariance(
-                {std::min(spread[i].specular_albedo, 1.0), std::min(spread[i].roughness, 1.0)},
-                information);
-            const Parameters by_lobe =
-                lobe(0, 0) * budget.by_albedo.cwiseAbs2() +
-                2 * lobe(0, 1) * budget.by_albedo.cwiseProduct(budget.by_roughness) +
-                lobe(1, 1) * budget.by_roughness.cwiseAbs2();
-            error.diffuse = (error.diffuse.square() + by_lobe.head<3>().array()).sqrt();
-            error.specular = error.roughness = kInfinity;
-            if (!std::isfinite(spread[i].specular_albedo) || !std::isfinite(spread[i].roughness)) {
-                return;
-            }
-            const Eigen::Matrix2d known = informed_covariance(spread[i], information);
-            error.specular =
-                map.specular * std::sqrt(known(0, 0) - 4 * known(0, 1) + 4 * known(1, 1));
-            error.roughness = map.roughness * std::sqrt(known(1, 1));
+            add_filled_errors(spread[i],
+                              fits_[i].lobe_information.cast<double>(),
+                              budgets_[i].diffuse_by_lobe,
+                              estimate_.maps[i],
+                              estimate_.errors[i]);
         });
     }
 

@@ -104,8 +104,11 @@ void GatherIteration::set_lamp_factor(double factor) {
     for (TexelFit& fit : fits_) {
         fit.reflectance.diffuse *= ratio;
         fit.reflectance.specular *= ratio;
+        fit.drawn.diffuse *= ratio;
+        fit.drawn.specular *= ratio;
         fit.specular_error *= ratio;
     }
+    priors_.clear();
     update_maps();
 }
 
@@ -187,9 +190,11 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
     }
     const double last_change = result_.iterations.empty() ? 1 : result_.iterations.back().change;
     fill_unmeasured(
-        light,
-        std::clamp(kFillShare * last_change, LinkSolverOptions().tolerance, kRoughestFill),
-        frozen);
+        light, std::clamp(kFillShare * last_change, LinkSolverOptions().tolerance, kRoughestFill));
+    if (num_free_turns_ > kUninformedTurns) {
+        if (!is_held()) ask_neighbors(frozen);
+        inform_filled(light, frozen);
+    }
 
     IterationLog log;
     log.stage = stage;
@@ -218,6 +223,7 @@ void GatherIteration::fit_texel(const std::vector<FitRow>& rows,
     if (rows.empty()) return;
     fit.reflectance = joint.solve(options_.fit, has_maps ? fit.reflectance.roughness : 0.0);
     judge_lobe(rows, result_.noise_scale, false, options_.fit, fit);
+    draw_texel(joint, i);
     // With a lobe that will be filled, Pd must fit that one and not the wild one found here.
     if (!fit.specular_measured) {
         fit.reflectance.diffuse =
@@ -231,12 +237,30 @@ void GatherIteration::follow_texel(const JointFit& joint, std::size_t i) {
     if (!fit.observed) return;
     if (fit.specular_measured && is_held()) {
         fit.reflectance = joint.solve_at(fit.reflectance.roughness);
+        fit.drawn = fit.reflectance;
     } else if (fit.roughness_measured) {
         fit.reflectance = joint.solve(options_.fit, fit.reflectance.roughness);
+        draw_texel(joint, i);
     } else {
         fit.reflectance.diffuse =
             joint.diffuse_with(result_.maps[i].specular, result_.maps[i].roughness);
     }
+}
+
+// Towards what the neighbours' lobes were in the last turn.
+void GatherIteration::draw_texel(const JointFit& joint, std::size_t i) {
+    TexelFit& fit = fits_[i];
+    fit.drawn = fit.reflectance;
+    fit.neighbor_information.setZero();
+    if (priors_.empty() || !fit.roughness_measured || !(fit.reflectance.specular > 0)) return;
+    const LogLobe drawn =
+        drawn_lobe(log_lobe(fit.reflectance), fit.lobe_information.cast<double>(), priors_[i]);
+    if (!drawn.allFinite()) return;
+    fit.neighbor_information = priors_[i].precision.cast<float>();
+    fit.drawn.roughness =
+        std::clamp(std::exp(drawn[1]), options_.fit.min_roughness, options_.fit.max_roughness);
+    fit.drawn.specular = std::exp(drawn[0]) / square(fit.drawn.roughness);
+    fit.drawn.diffuse = joint.diffuse_with(fit.drawn.specular, fit.drawn.roughness);
 }
 
 void GatherIteration::weigh_outliers(const JointFit& joint,
@@ -274,7 +298,7 @@ void GatherIteration::update_noise_scale() {
     if (!misfits.empty()) result_.noise_scale = std::sqrt(median(std::move(misfits)));
 }
 
-void GatherIteration::fill_unmeasured(const IndirectLight& light, double tolerance, bool frozen) {
+void GatherIteration::fill_unmeasured(const IndirectLight& light, double tolerance) {
     std::vector<float> confidence(num_texels_);
     std::vector<double> values(num_texels_);
     for (const Eigen::Index channel : {0, 1, 2}) {
@@ -293,7 +317,6 @@ void GatherIteration::fill_unmeasured(const IndirectLight& light, double toleran
         refit_matte(light);
     }
     lobe_filling_.fill_specular(tolerance, shared_lobe_, fits_);
-    if (num_free_turns_ > kUninformedTurns) inform_filled(light, frozen);
 }
 
 // Texels whose Ps is measured but not their sigma: Ps again, with the filled sigma.
@@ -330,7 +353,8 @@ void GatherIteration::refit_unconfirmed(const IndirectLight& light) {
 double GatherIteration::update_maps() {
     MapChange change;
     for (std::size_t i = 0; i < num_texels_; ++i) {
-        change.move(result_.maps[i], fits_[i].reflectance);
+        const TexelFit& fit = fits_[i];
+        change.move(result_.maps[i], fit.roughness_measured ? fit.drawn : fit.reflectance);
     }
     result_.num_clamped = change.num_clamped;
     return change.relative();

@@ -4,6 +4,7 @@
 // and contracts by lambda wherever lambda < 1.
 #pragma once
 
+#include "patina/estimate/drawn_lobe.h"
 #include "patina/estimate/estimate.h"
 #include "patina/estimate/fit_rows.h"
 #include "patina/estimate/gather_engine.h"
@@ -74,16 +75,19 @@ class GatherIteration {
                    const JointFit& joint,
                    std::size_t i);
     void follow_texel(const JointFit& joint, std::size_t i);
+    void draw_texel(const JointFit& joint, std::size_t i);
     void weigh_outliers(const JointFit& joint, std::size_t i, std::vector<double>& misfits);
 
     // All texels.
     void update_noise_scale();
     // tolerance: of solve_links().
-    void fill_unmeasured(const IndirectLight& light, double tolerance, bool frozen);
+    void fill_unmeasured(const IndirectLight& light, double tolerance);
     void refit_matte(const IndirectLight& light);
     void refit_unconfirmed(const IndirectLight& light);
     double update_maps();
 
+    // What neighbours say of measured lobes, for the next turn (gather_lobes.cpp).
+    void ask_neighbors(bool frozen);
     // Filled lobes that looks reach into (gather_lobes.cpp).
     void inform_filled(const IndirectLight& light, bool frozen);
     void choose_informed();
@@ -103,7 +107,9 @@ class GatherIteration {
     double lamp_factor_ = 1;
     double shared_lobe_ = 0;
     int num_free_turns_ = 0;  // under bounced light, not frozen
-    double trust_ = 0;        // see evidence_weight()
+    LobeSpread between_neighbors_ = {0, 0};
+    std::vector<LobePrior> priors_;  // empty: nothing is known of neighbours
+    double trust_ = 0;               // see evidence_weight()
     std::vector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held

@@ -28,6 +28,11 @@ bool is_called(const Texel& texel) {
 
 }  // namespace
 
+void GatherIteration::ask_neighbors(bool frozen) {
+    if (!frozen) between_neighbors_ = neighbor_spread(atlas_, fits_);
+    priors_ = neighbor_priors(atlas_, lobe_filling_.links(), fits_, between_neighbors_);
+}
+
 void GatherIteration::inform_filled(const IndirectLight& light, bool frozen) {
     if (!frozen) {
         lobe_filling_.find_spread(fits_);
@@ -37,7 +42,9 @@ void GatherIteration::inform_filled(const IndirectLight& light, bool frozen) {
             for (TexelFit& fit : fits_) fit.informed = false;
         }
     }
-    for (TexelFit& fit : fits_) fit.lobe_information.setZero();
+    for (TexelFit& fit : fits_) {
+        if (!fit.roughness_measured) fit.lobe_information.setZero();
+    }
     if (trust_ == 0) return;
     std::vector<LobeEvidence> evidence = evidence_of_looks(light);
     pool_evidence(atlas_, lobe_filling_.links(), evidence);

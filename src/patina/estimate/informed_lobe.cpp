@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace patina {
 namespace {
@@ -44,6 +45,12 @@ Eigen::Matrix2d precision_of(const LobeSpread& spread) {
 LogLobe log_lobe(const Reflectance& reflectance) {
     const double log_roughness = std::log(reflectance.roughness);
     return {std::log(reflectance.specular) + 2 * log_roughness, log_roughness};
+}
+
+Eigen::Matrix2d by_log_lobe(const Reflectance& reflectance) {
+    Eigen::Matrix2d derivative;
+    derivative << reflectance.specular, -2 * reflectance.specular, 0, reflectance.roughness;
+    return derivative;
 }
 
 LobeEvidence& LobeEvidence::operator+=(const LobeEvidence& other) {
@@ -111,6 +118,24 @@ void pool_evidence(const TexelAtlas& atlas,
 
 Eigen::Matrix2d informed_covariance(const LobeSpread& spread, const Eigen::Matrix2d& information) {
     return (precision_of(spread) + information).inverse();
+}
+
+void add_filled_errors(const LobeSpread& spread,
+                       const Eigen::Matrix2d& information,
+                       const Eigen::Matrix<double, 3, 2>& diffuse_by_lobe,
+                       const Reflectance& map,
+                       Reflectance& error) {
+    // Where no lobe was measured at all, any may be there.
+    const Eigen::Matrix2d lobe = informed_covariance(
+        {std::min(spread.specular_albedo, 1.0), std::min(spread.roughness, 1.0)}, information);
+    const Eigen::Array3d by_lobe =
+        (diffuse_by_lobe * lobe * diffuse_by_lobe.transpose()).diagonal().array();
+    error.diffuse = (error.diffuse.square() + by_lobe).sqrt();
+    error.specular = error.roughness = std::numeric_limits<double>::infinity();
+    if (!std::isfinite(spread.specular_albedo) || !std::isfinite(spread.roughness)) return;
+    const Eigen::Matrix2d known = informed_covariance(spread, information);
+    error.specular = map.specular * std::sqrt(known(0, 0) - 4 * known(0, 1) + 4 * known(1, 1));
+    error.roughness = map.roughness * std::sqrt(known(1, 1));
 }
 
 double evidence_weight(std::span<const LobeEvidence> evidence, const LobeSpread& spread) {

@@ -16,6 +16,8 @@ namespace patina {
 using LogLobe = Eigen::Vector2d;
 // Ps above 0.
 [[nodiscard]] LogLobe log_lobe(const Reflectance& reflectance);
+// Derivative of (Ps, sigma) by log_lobe().
+[[nodiscard]] Eigen::Matrix2d by_log_lobe(const Reflectance& reflectance);
 
 // What looks tell of a lobe, as the normal equations of its deviation from the filled one, with
 // weights of 1 / variance.
@@ -46,6 +48,14 @@ void pool_evidence(const TexelAtlas& atlas,
 // information: the spread alone).
 [[nodiscard]] Eigen::Matrix2d informed_covariance(const LobeSpread& spread,
                                                   const Eigen::Matrix2d& information);
+
+// Standard errors of a filled lobe, and of the Pd that was fitted with it besides its own in
+// `error`. diffuse_by_lobe: change of Pd by the LogLobe.
+void add_filled_errors(const LobeSpread& spread,
+                       const Eigen::Matrix2d& information,
+                       const Eigen::Matrix<double, 3, 2>& diffuse_by_lobe,
+                       const Reflectance& map,
+                       Reflectance& error);
 
 // By how much evidence of other texels is to be multiplied [0 to 1], for what it says of measured
 // lobes: there the deviation is 0, and what `evidence` finds is its noise and what the model of the

@@ -341,6 +341,7 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
     const double determinant = bb * dd - bd * bd;
     const bool lobe_unknown = !(bb > 0) || !(dd > 0) || !(determinant > 1e-12 * bb * dd);
     FitErrors errors;
+    errors.lobe_information << bb, bd, bd, dd;
     errors.specular_sigma_known = bb > 0 ? 1 / std::sqrt(bb) : kInfinity;
     errors.specular = lobe_unknown ? kInfinity : std::sqrt(dd / determinant);
     errors.roughness = lobe_unknown ? kInfinity : std::sqrt(bb / determinant);

@@ -7,6 +7,8 @@
 #include "patina/reflectance/lobe.h"
 #include "patina/transport/ratio_kernel.h"
 
+#include <Eigen/Core>
+
 #include <span>
 
 namespace patina {
@@ -109,6 +111,8 @@ struct FitErrors {
     double specular_sigma_known = 0;  // of Ps with sigma given
     double roughness = 0;             // of sigma, all free [rad]
     double misfit = 1;                // mean squared residual over its variance [-]
+    // On (Ps, sigma), Pd free; weights as 1 / variance.
+    Eigen::Matrix2d lobe_information = Eigen::Matrix2d::Zero();
 };
 [[nodiscard]] FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectance);
 

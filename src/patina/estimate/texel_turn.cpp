@@ -1,6 +1,7 @@
 #include "patina/estimate/texel_turn.h"
 
 #include "patina/base/parallel.h"
+#include "patina/estimate/informed_lobe.h"
 
 #include <algorithm>
 #include <cmath>
@@ -148,6 +149,12 @@ void judge_lobe(std::span<const FitRow> rows,
     fit.specular_measured = fit.roughness_measured || is_matte();
     fit.specular_error = scale * errors.specular;
     fit.roughness_error = scale * errors.roughness;
+    fit.lobe_information.setZero();
+    if (fit.roughness_measured) {
+        const Eigen::Matrix2d by_lobe = by_log_lobe(fit.reflectance);
+        fit.lobe_information =
+            (by_lobe.transpose() * errors.lobe_information * by_lobe / square(scale)).cast<float>();
+    }
 }
 
 TexelFit fit_texel(std::span<const FitRow> rows,
@@ -193,6 +200,7 @@ std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<Te
     std::vector<std::uint8_t> dropped(fits.size(), 0);
     const auto drop = [&](std::size_t i) {
         fits[i].specular_measured = fits[i].roughness_measured = false;
+        fits[i].lobe_information.setZero();
         dropped[i] = 1;
     };
     std::size_t num_dropped = 1;

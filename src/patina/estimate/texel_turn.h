@@ -23,8 +23,12 @@ struct TexelFit {
     double misfit = 1;   // see FitErrors
     double specular_error = 0;   // standard error of Ps when it was judged, all free [-]
     double roughness_error = 0;  // of sigma [rad]
-    // What the looks told of an informed lobe, see LobeEvidence.
+    // What the looks told of a lobe when it was judged, or of an informed one; see LobeEvidence.
     Eigen::Matrix2f lobe_information = Eigen::Matrix2f::Zero();
+    // A measured lobe drawn towards its neighbours', with the Pd that fits it; see drawn_lobe().
+    Reflectance drawn;
+    // What its neighbours told, see LobePrior::precision; zero where it was not drawn.
+    Eigen::Matrix2f neighbor_information = Eigen::Matrix2f::Zero();
 };
 
 // Ps counts as measured when its standard error is below the larger of these two: a share of Ps,
