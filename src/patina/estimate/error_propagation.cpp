@@ -117,9 +117,12 @@ Parameters ErrorPropagation::share_beside(const Eigen::Matrix2d& information,
     const Eigen::Matrix<double, kNumParameters, 2> by_lobe = covariance.middleCols<2>(kSpecular);
     const Eigen::Matrix2d told = information * by_lobe.middleRows<2>(kSpecular);
     const Eigen::Matrix2d taken = (Eigen::Matrix2d::Identity() + told).inverse() * information;
-    const Parameters left =
-        covariance.diagonal() - (by_lobe * taken * by_lobe.transpose()).diagonal();
-    return left.cwiseQuotient(covariance.diagonal()).cwiseMax(0.0).cwiseMin(1.0);
+    const Eigen::Array<double, kNumParameters, 1> before = covariance.diagonal().array();
+    const Eigen::Array<double, kNumParameters, 1> left =
+        before - (by_lobe * taken * by_lobe.transpose()).diagonal().array();
+    // A lobe so ill told that rounding decides is not told by others either.
+    if (!(before > 0).all() || !left.allFinite()) return Parameters::Ones();
+    return (left / before).max(0.0).min(1.0);
 }
 
 // The fit takes off a part of every residual, z = (I - H) e with H = D' M D, D = J W^(1/2), M the

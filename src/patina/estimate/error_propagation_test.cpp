@@ -117,5 +117,49 @@ TEST(ErrorPropagation, LeavesAGivenLobeAlone) {
     EXPECT_GT(given[0], 0);
 }
 
+// Whatever else may be told of the lobe: nothing changes nothing, all of it leaves Pd as if the
+// lobe were given.
+TEST(ErrorPropagation, SharesWhatElseIsToldOfTheLobe) {
+    SyntheticTexel texel(12, 0.6);
+    texel.show(kTruth);
+    for (FitRow& row : texel.rows()) row.weight = Rgb::Constant(1 / square(kNoise));
+    const ErrorPropagation free(texel.rows(), kTruth, KnownLobe::all);
+    const ErrorPropagation given(texel.rows(), kTruth, KnownLobe::none);
+    constexpr double kScale = 1.7;
+    const Parameters untold = free.share_beside(Eigen::Matrix2d::Zero(), kScale);
+    const Parameters told = free.share_beside(1e12 * Eigen::Matrix2d::Identity(), kScale);
+    for (int k = 0; k < kNumParameters; ++k) EXPECT_NEAR(untold[k], 1, 1e-9) << k;
+    for (int k = 0; k < 3; ++k) {
+        EXPECT_NEAR(told[k] * free.own_variance()[k] / given.own_variance()[k], 1, 1e-4) << k;
+    }
+    EXPECT_LT(told[3], 1e-4);
+    EXPECT_LT(told[4], 1e-4);
+    // As much again of sigma alone, whose variance is then halved.
+    Eigen::Matrix2d again = Eigen::Matrix2d::Zero();
+    again(1, 1) = 1 / (square(kScale) * free.own_variance()[4]);
+    EXPECT_NEAR(free.share_beside(again, kScale)[4], 0.5, 1e-6);
+}
+
+// Residuals are those of the best fit, wherever the model is linearised about.
+TEST(ErrorPropagation, LeavesTheLeastResiduals) {
+    SyntheticTexel texel(12, 0.6);
+    Rng rng(22, Pass::tests, 0);
+    add_noise(texel, false, rng);
+    JointFit fit;
+    fit.load(texel.rows());
+    const Reflectance best = fit.solve({}, 0);
+    Reflectance drawn = best;
+    drawn.specular *= 1.01;
+    drawn.roughness *= 0.99;
+    drawn.diffuse *= 1.01;
+    const ErrorPropagation at_best(texel.rows(), best, KnownLobe::all);
+    const ErrorPropagation beside(texel.rows(), drawn, KnownLobe::all);
+    EXPECT_NEAR(beside.moments().own / at_best.moments().own, 1, 0.01);
+    EXPECT_NEAR(beside.pull(beside.residuals()).head<4>().norm() /
+                    beside.pull(std::vector<Rgb>(12, Rgb::Constant(kNoise))).head<4>().norm(),
+                0,
+                1e-9);
+}
+
 }  // namespace
 }  // namespace patina

@@ -151,7 +151,8 @@ class Finisher {
     }
 
     [[nodiscard]] bool was_drawn(std::size_t i) const {
-        return fits_[i].roughness_measured && !fits_[i].neighbor_information.isZero();
+        return fits_[i].roughness_measured && estimate_.maps[i].specular > 0 &&
+               !fits_[i].neighbor_information.isZero();
     }
 
     [[nodiscard]] bool is_shift(std::size_t shared_error) const {

@@ -239,7 +239,7 @@ void GatherIteration::follow_texel(const JointFit& joint, std::size_t i) {
         fit.reflectance = joint.solve_at(fit.reflectance.roughness);
         fit.drawn = fit.reflectance;
     } else if (fit.roughness_measured) {
-        fit.reflectance = joint.solve(options_.fit, fit.reflectance.roughness);
+        fit.reflectance = joint.follow(options_.fit, fit.reflectance.roughness);
         draw_texel(joint, i);
     } else {
         fit.reflectance.diffuse =

@@ -293,6 +293,15 @@ Reflectance JointFit::solve(const FitOptions& options, double start) const {
     return solve_at(std::exp(best));
 }
 
+Reflectance JointFit::follow(const FitOptions& options, double start) const {
+    const double from = std::log(start);
+    const double low = std::max(std::log(options.min_roughness), from - kLongestStep);
+    const double high = std::min(std::log(options.max_roughness), from + kLongestStep);
+    const std::optional<double> found = low < high ? descend(from, low, high) : std::nullopt;
+    const bool is_inside = found && *found > low && *found < high;
+    return solve_at(is_inside ? std::exp(*found) : start);
+}
+
 Reflectance JointFit::solve_at(double roughness) const {
     Reflectance fit;
     fit.roughness = roughness;

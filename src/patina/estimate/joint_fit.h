@@ -22,6 +22,9 @@ class JointFit {
 
     // start: sigma to search about [rad]; 0: none, the whole range is searched.
     [[nodiscard]] Reflectance solve(const FitOptions& options, double start) const;
+    // The nearest best sigma, or `start` itself (> 0) where the least cost lies elsewhere: a fit
+    // that follows small changes of the light does not leap to another minimum.
+    [[nodiscard]] Reflectance follow(const FitOptions& options, double start) const;
     // Pd for a lobe that is given.
     [[nodiscard]] Rgb diffuse_with(double specular, double roughness) const;
     // Pd and Ps for a sigma that is given.

@@ -66,6 +66,20 @@ TEST(JointFit, StaysWhereItCameToRest) {
     }
 }
 
+// Lobes that follow small changes of the light find the nearest minimum, and do not leap to one
+// that lies far away.
+TEST(JointFit, FollowsWhatIsNearAndNothingElse) {
+    SyntheticTexel texel(11, 0.4);
+    texel.show(kTruth);
+    JointFit fit;
+    fit.load(texel.rows());
+    expect_same(fit.follow({}, 1.1 * kTruth.roughness), kTruth, 2 * kSearch);
+    for (const double far : {0.4 * kTruth.roughness, 2.5 * kTruth.roughness}) {
+        EXPECT_EQ(fit.follow({}, far).roughness, far);
+        expect_same(fit.follow({}, far), fit.solve_at(far), 1e-12);
+    }
+}
+
 TEST(JointFit, WidensTheLobeByTheFootprintAsThePlainPredictionDoes) {
     SyntheticTexel texel(10, 0.5);
     texel.spread(0.004f, 0.001f);
