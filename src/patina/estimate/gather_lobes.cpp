@@ -12,6 +12,7 @@ namespace {
 // moves by so much in a turn at most [log].
 constexpr double kInformedReach = 3.0;
 constexpr double kLongestStep = 0.5;
+constexpr double kTurnedStep = 0.5;
 // The filling must say how bright a look at that angle is within this factor [log], or there is
 // nothing near enough to start from.
 constexpr double kVaguestFilling = 1.0;
@@ -146,14 +147,20 @@ void GatherIteration::take_informed(const IndirectLight& light,
             TexelFit& fit = fits_[i];
             if (!fit.informed) continue;
             const LogLobe last = log_lobe(result_.maps[i]);
-            const LogLobe step =
+            LogLobe step =
                 informed_lobe(lobe_filling_.lobe(i), lobe_filling_.spread(i), evidence[i]) - last;
             // What does not come to rest is left to the filling.
             if (frozen && step.cwiseAbs().maxCoeff() > kLongestStep) {
                 fit.informed = false;
                 continue;
             }
-            const LogLobe lobe = last + step.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
+            step = step.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
+            // Steps too long would lead to and fro about the lobe sought: back by more than this
+            // share of the last one, only that share is taken.
+            const LogLobe before = fit.informed_step.cast<double>();
+            if (-step.dot(before) > kTurnedStep * before.squaredNorm()) step *= kTurnedStep;
+            fit.informed_step = step.cast<float>();
+            const LogLobe lobe = last + step;
             fit.reflectance.roughness =
                 std::clamp(std::exp(lobe[1]), options_.fit.min_roughness, kMaxRoughness);
             fit.reflectance.specular = std::exp(lobe[0]) / square(fit.reflectance.roughness);

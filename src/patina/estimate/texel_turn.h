@@ -25,6 +25,8 @@ struct TexelFit {
     double roughness_error = 0;  // of sigma [rad]
     // What the looks told of a lobe when it was judged, or of an informed one; see LobeEvidence.
     Eigen::Matrix2f lobe_information = Eigen::Matrix2f::Zero();
+    // How an informed lobe moved in the last turn [log].
+    Eigen::Vector2f informed_step = Eigen::Vector2f::Zero();
     // A measured lobe drawn towards its neighbours', with the Pd that fits it; see drawn_lobe().
     Reflectance drawn;
     // What its neighbours told, see LobePrior::precision; zero where it was not drawn.
