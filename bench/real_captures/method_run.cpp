@@ -63,6 +63,7 @@ Estimate estimate_lambertian(const Capture& capture, Progress& progress) {
     estimate.maps.resize(num_texels);
     estimate.errors.assign(num_texels, {Rgb::Constant(kInfinity), kInfinity, kInfinity});
     estimate.status.assign(num_texels, TexelStatus::filled);
+    estimate.measurability.resize(num_texels);
     estimate.seen = observations.seen;
     estimate.indirect_over_direct.assign(num_texels, 0.0f);
     parallel_for(num_texels, [&](std::size_t i) {

@@ -1,5 +1,6 @@
 #include "patina/pipeline/estimate_capture.h"
 
+#include "patina/base/check.h"
 #include "patina/base/output_file.h"
 #include "patina/base/process_memory.h"
 #include "patina/pipeline/text_table.h"
@@ -39,10 +40,15 @@ class MapWriter {
 };
 
 ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
+    const std::size_t num_texels = atlas.texels.size();
+    PATINA_CHECK_EQ(estimate.maps.size(), num_texels);
+    PATINA_CHECK_EQ(estimate.errors.size(), num_texels);
+    PATINA_CHECK_EQ(estimate.status.size(), num_texels);
+    PATINA_CHECK_EQ(estimate.measurability.size(), num_texels);
     const Image three(atlas.width, atlas.height, 3);
     const Image one(atlas.width, atlas.height, 1);
     ReflectanceMaps maps{three, one, one, three, one, one, one, three, one};
-    for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
+    for (std::size_t i = 0; i < num_texels; ++i) {
         const MapWriter texel(atlas, i);
         texel.store(maps.diffuse, estimate.maps[i].diffuse);
         texel.store(maps.specular, estimate.maps[i].specular);
