@@ -238,6 +238,7 @@ void GatherIteration::follow_texel(const JointFit& joint, std::size_t i) {
     if (fit.specular_measured && is_held()) {
         fit.reflectance = joint.solve_at(fit.reflectance.roughness);
         fit.drawn = fit.reflectance;
+        fit.neighbor_information.setZero();
     } else if (fit.roughness_measured) {
         fit.reflectance = joint.follow(options_.fit, fit.reflectance.roughness);
         draw_texel(joint, i);
