@@ -42,7 +42,7 @@ class LobeVariogram {
                   std::span<const Reflectance> errors,
                   std::span<const std::uint8_t> measured);
 
-    // lag: distance [texels].
+    // lag: distance [texels]. Sums instead of means where it tells() nothing.
     [[nodiscard]] LobeDifferences at(int lag) const;
     // Whether so many pairs say anything.
     [[nodiscard]] static bool tells(const LobeDifferences& differences);
