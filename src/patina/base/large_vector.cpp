@@ -1,13 +1,29 @@
 #include "patina/base/large_vector.h"
 
+#include "patina/base/parallel.h"
+
 #include <cstdlib>
+#include <memory>
 #include <sys/mman.h>
 
 namespace patina {
 namespace {
 
 constexpr std::size_t kLine = 64;
+constexpr std::size_t kPage = std::size_t(4) << 10;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
+// Less is cleared sooner than threads are woken for it.
+constexpr std::size_t kWorthThreads = 4 * kHugePage;
+
+// The system clears every page when it is first written, which takes longer than the writing: here
+// all threads have it done, as std::vector fills its elements with one.
+void touch(std::byte* memory, std::size_t size) {
+    parallel_blocks(size / kHugePage, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t at = begin * kHugePage; at < end * kHugePage; at += kPage) {
+            *static_cast<volatile std::byte*>(memory + at) = std::byte(0);
+        }
+    });
+}
 
 }  // namespace
 
@@ -15,11 +31,13 @@ void* allocate_large(std::size_t size) {
     const std::size_t alignment = size < kHugePage ? kLine : kHugePage;
     if (size > std::size_t(-1) - alignment) throw std::bad_alloc();
     const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-    void* const memory = std::aligned_alloc(alignment, whole);
+    std::unique_ptr<void, decltype(&free_large)> memory(std::aligned_alloc(alignment, whole),
+                                                        free_large);
     if (memory == nullptr) throw std::bad_alloc();
     // A wish: systems without huge pages go on with small ones.
-    if (alignment == kHugePage) static_cast<void>(madvise(memory, whole, MADV_HUGEPAGE));
-    return memory;
+    if (alignment == kHugePage) static_cast<void>(madvise(memory.get(), whole, MADV_HUGEPAGE));
+    if (whole >= kWorthThreads) touch(static_cast<std::byte*>(memory.get()), whole);
+    return memory.release();
 }
 
 void free_large(void* memory) noexcept { std::free(memory); }

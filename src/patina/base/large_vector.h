@@ -1,5 +1,6 @@
-// Vectors for rows that are read all over memory: in huge pages where the system has them, which
-// saves a search of the page tables for most of the reads.
+// Vectors for what fills much memory: in huge pages where the system has them, which saves a search
+// of the page tables for most reads all over it, and with all threads taking part when the system
+// clears new pages.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +9,8 @@
 
 namespace patina {
 
-// At least size bytes, aligned to at least 64. Throws std::bad_alloc.
+// At least size bytes, aligned to at least 64. Throws std::bad_alloc, and Interrupted when the user
+// asked to stop.
 [[nodiscard]] void* allocate_large(std::size_t size);
 void free_large(void* memory) noexcept;
 

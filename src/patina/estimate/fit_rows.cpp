@@ -33,4 +33,15 @@ void FitRowMaker::make(std::size_t texel,
     }
 }
 
+void FitRowMaker::expect(std::size_t texel, const IndirectLight& light) const {
+    for (const Observation& look : observations_.of(texel)) {
+        if (!light.irradiance.empty()) {
+            for (const auto& half : light.irradiance[scene_.lamp_set_of_shot[look.shot]].halves) {
+                __builtin_prefetch(&half[texel]);
+            }
+        }
+        if (!light.lobe.empty()) __builtin_prefetch(&light.lobe[look.shot][texel]);
+    }
+}
+
 }  // namespace patina

@@ -9,6 +9,9 @@
 
 namespace patina {
 
+// Texels ahead of the one in hand that FitRowMaker::expect() is best told of.
+inline constexpr std::size_t kTexelsAhead = 4;
+
 class FitRowMaker {
   public:
     FitRowMaker(const SceneView& scene, const Observations& observations)
@@ -23,6 +26,9 @@ class FitRowMaker {
               const IndirectLight& light,
               const Reflectance& map,
               std::vector<FitRow>& rows) const;
+
+    // Asks for the light that make() will read of this texel: it lies all over memory.
+    void expect(std::size_t texel, const IndirectLight& light) const;
 
   private:
     const SceneView& scene_;

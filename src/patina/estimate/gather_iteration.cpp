@@ -168,6 +168,7 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
         std::vector<double> misfits;
         JointFit fit;
         for (std::size_t i = begin; i < end; ++i) {
+            if (i + kTexelsAhead < end) rows_.expect(i + kTexelsAhead, light);
             make_rows(i, light, rows);
             fit.load(rows);
             TurnSums& sum = sums[begin / kParallelBlock];

@@ -16,6 +16,8 @@ namespace {
 
 enum class LookQuality : std::uint8_t { none, poor, good };
 
+using Samples = std::vector<std::vector<TexelSample>>;  // per used shot, per texel
+
 // How one shot looks at one texel, before the radiance is read.
 struct Look {
     LookQuality quality = LookQuality::none;
@@ -55,39 +57,69 @@ class ObservationBuilder {
             if (quality == LookQuality::none) continue;
             LookCount& of_quality = quality == LookQuality::good ? good : poor;
             ++of_quality.rows;
-            for (const auto* direct : scene_.lamp_sets[scene_.lamp_set_of_shot[shot]].direct) {
-                if ((*direct)[texel].irradiance.maxCoeff() > 0) ++of_quality.terms;
-            }
+            of_quality.terms += num_terms(shot, texel);
         }
         return {std::max(poor.rows, good.rows), std::max(poor.terms, good.terms)};
     }
 
-    void append(std::size_t shot,
-                std::size_t texel,
-                const TexelSample& sample,
-                std::vector<Observation>& rows,
-                std::vector<LampTerm>& terms) const {
+    // The shots whose looks at a texel are taken: those of the best quality that it has.
+    void choose(std::size_t texel, const Samples& samples, std::vector<std::size_t>& shots) const {
+        LookQuality best = LookQuality::none;
+        shots.clear();
+        for (std::size_t shot = 0; shot < scene_.shots.size(); ++shot) {
+            if (!samples[shot][texel].usable) continue;
+            const LookQuality quality = look(shot, texel).quality;
+            if (quality == LookQuality::none || quality < best) continue;
+            if (quality > best) shots.clear();
+            best = quality;
+            shots.push_back(shot);
+        }
+    }
+
+    [[nodiscard]] bool is_seen(std::size_t texel) const {
+        for (std::size_t shot = 0; shot < scene_.shots.size(); ++shot) {
+            if (look(shot, texel).seen) return true;
+        }
+        return false;
+    }
+
+    // Lamps of a shot that shine on a texel.
+    [[nodiscard]] std::size_t num_terms(std::size_t shot, std::size_t texel) const {
+        const LampSet& lamps = scene_.lamp_sets[scene_.lamp_set_of_shot[shot]];
+        return std::size_t(
+            std::count_if(lamps.direct.begin(), lamps.direct.end(), [&](const auto* direct) {
+                return (*direct)[texel].irradiance.maxCoeff() > 0;
+            }));
+    }
+
+    // terms: room for num_terms(), which begins at first_term among those of all looks.
+    void write(std::size_t shot,
+               std::size_t texel,
+               const TexelSample& sample,
+               std::size_t first_term,
+               std::span<LampTerm> terms,
+               Observation& row) const {
         const Vec3 normal = capture_.atlas.texels[texel].point.normal;
         const TexelView& view = scene_.views[scene_.camera_of_shot[shot]][texel];
         const Vec3 w_v = view.w_v.cast<double>().normalized();
-        Observation& row = rows.emplace_back();
         row.radiance = sample.radiance;
         row.variance = sample.variance;
         row.shot = static_cast<std::uint32_t>(shot);
-        row.first_term = static_cast<std::uint32_t>(terms.size());
+        row.first_term = static_cast<std::uint32_t>(first_term);
+        row.num_terms = static_cast<std::uint32_t>(terms.size());
         double nearest = square(kPi);
+        auto term = terms.begin();
         for (const auto* direct : scene_.lamp_sets[scene_.lamp_set_of_shot[shot]].direct) {
             const DirectLight& light = (*direct)[texel];
             if (light.irradiance.maxCoeff() <= 0) continue;
-            LampTerm& term = terms.emplace_back();
-            term.irradiance = light.irradiance;
+            term->irradiance = light.irradiance;
             const double theta_r_squared =
                 mirror_angle_squared(normal, light.w_i.cast<double>().normalized(), w_v);
-            term.theta_r_squared = float(theta_r_squared);
-            term.lobe_cosines = float(lobe_cosines(double(light.cos_i), double(view.cos_v)));
+            term->theta_r_squared = float(theta_r_squared);
+            term->lobe_cosines = float(lobe_cosines(double(light.cos_i), double(view.cos_v)));
             nearest = std::min(nearest, theta_r_squared);
+            ++term;
         }
-        row.num_terms = static_cast<std::uint32_t>(terms.size()) - row.first_term;
         row.theta_r = float(std::sqrt(nearest));
     }
 
@@ -99,7 +131,7 @@ class ObservationBuilder {
 };
 
 // Read noise for captures that state none: a share of the bright end of the used samples.
-double default_variance(const std::vector<std::vector<TexelSample>>& samples, double share) {
+double default_variance(const Samples& samples, double share) {
     std::vector<double> values;
     for (const auto& shot : samples) {
         for (std::size_t i = 0; i < shot.size(); i += 7) {
@@ -188,7 +220,7 @@ Observations collect_observations(const Capture& capture,
     const std::size_t num_texels = capture.atlas.texels.size();
     const std::size_t num_shots = scene.shots.size();
     progress.begin_stage("reading images", num_shots, "images");
-    std::vector<std::vector<TexelSample>> samples(num_shots);
+    Samples samples(num_shots);
     const bool need_gradients = capture.description.geometry.registration_stddev > 0;
     std::vector<std::vector<SampleGradient>> gradients(need_gradients ? num_shots : 0);
     for (std::size_t shot = 0; shot < num_shots; ++shot) {
@@ -202,27 +234,43 @@ Observations collect_observations(const Capture& capture,
     Observations result;
     result.seen.assign(num_texels, 0);
     result.begin.assign(num_texels + 1, 0);
-    // Growing row by row would take twice their memory.
-    const LookCount most = count_looks(capture, scene, options);
-    result.rows.reserve(most.rows);
-    result.terms.reserve(most.terms);
-    if (need_gradients) result.gradients.reserve(most.rows);
-    std::vector<LookQuality> qualities(num_shots);
-    for (std::size_t texel = 0; texel < num_texels; ++texel) {
-        LookQuality best = LookQuality::none;
-        for (std::size_t shot = 0; shot < num_shots; ++shot) {
-            const Look look = builder.look(shot, texel);
-            if (look.seen) result.seen[texel] = 1;
-            qualities[shot] = samples[shot][texel].usable ? look.quality : LookQuality::none;
-            best = std::max(best, qualities[shot]);
+    std::vector<std::uint32_t> first_term(num_texels + 1, 0);
+    parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::size_t> shots;
+        for (std::size_t texel = begin; texel < end; ++texel) {
+            result.seen[texel] = builder.is_seen(texel) ? 1 : 0;
+            builder.choose(texel, samples, shots);
+            result.begin[texel + 1] = static_cast<std::uint32_t>(shots.size());
+            for (const std::size_t shot : shots) {
+                first_term[texel + 1] += static_cast<std::uint32_t>(builder.num_terms(shot, texel));
+            }
         }
-        for (std::size_t shot = 0; shot < num_shots; ++shot) {
-            if (best == LookQuality::none || qualities[shot] != best) continue;
-            builder.append(shot, texel, samples[shot][texel], result.rows, result.terms);
-            if (need_gradients) result.gradients.push_back(gradients[shot][texel]);
+    });
+    std::partial_sum(result.begin.begin(), result.begin.end(), result.begin.begin());
+    std::partial_sum(first_term.begin(), first_term.end(), first_term.begin());
+    result.rows.resize(result.begin.back());
+    result.terms.resize(first_term.back());
+    if (need_gradients) result.gradients.resize(result.rows.size());
+    parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<std::size_t> shots;
+        for (std::size_t texel = begin; texel < end; ++texel) {
+            builder.choose(texel, samples, shots);
+            std::size_t row = result.begin[texel];
+            std::size_t term = first_term[texel];
+            for (const std::size_t shot : shots) {
+                const std::size_t num_terms = builder.num_terms(shot, texel);
+                builder.write(shot,
+                              texel,
+                              samples[shot][texel],
+                              term,
+                              std::span(result.terms).subspan(term, num_terms),
+                              result.rows[row]);
+                if (need_gradients) result.gradients[row] = gradients[shot][texel];
+                term += num_terms;
+                ++row;
+            }
         }
-        result.begin[texel + 1] = static_cast<std::uint32_t>(result.rows.size());
-    }
+    });
     if (result.rows.empty()) {
         throw Error(capture.description.file.string(),
                     "shots",

@@ -1,6 +1,7 @@
 // Every usable look at every texel: what the used shots say, and the direct light that explains it.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/base/progress.h"
 #include "patina/capture/capture.h"
 #include "patina/observe/camera_view.h"
@@ -46,8 +47,8 @@ struct Observation {
 // that have no better one.
 struct Observations {
     std::vector<std::uint32_t> begin;  // texels + 1 offsets into rows
-    std::vector<Observation> rows;
-    std::vector<LampTerm> terms;
+    LargeVector<Observation> rows;
+    LargeVector<LampTerm> terms;
     // Per row; empty unless the capture states an error of registration.
     std::vector<SampleGradient> gradients;
     // Texels that some camera sees within the angle limits under an unshadowed lamp.

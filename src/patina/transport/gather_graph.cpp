@@ -168,11 +168,16 @@ GatherRows make_rows(std::size_t num_texels, Progress& progress, const TraceTexe
         },
         1);
     std::partial_sum(rows.begin.begin(), rows.begin.end(), rows.begin.begin());
-    rows.hits.reserve(rows.begin.back());
-    for (std::vector<GatherHit>& block : blocks) {
-        rows.hits.insert(rows.hits.end(), block.begin(), block.end());
-        block = {};
-    }
+    rows.hits.resize(rows.begin.back());
+    parallel_for(
+        blocks.size(),
+        [&](std::size_t block) {
+            std::copy(blocks[block].begin(),
+                      blocks[block].end(),
+                      rows.hits.begin() + std::ptrdiff_t(rows.begin[block * kTexelsPerBlock]));
+            blocks[block] = {};
+        },
+        1);
     return rows;
 }
 

@@ -5,6 +5,7 @@
 // docs/theory.md, "The gather graph"; the directions are Owen-scrambled Sobol points (Burley 2020).
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/base/progress.h"
 #include "patina/transport/surface.h"
 
@@ -34,7 +35,7 @@ struct GatherHit {
 // Rays of one purpose, compressed rows: texels + 1 offsets into hits.
 struct GatherRows {
     std::vector<std::size_t> begin;
-    std::vector<GatherHit> hits;
+    LargeVector<GatherHit> hits;
 
     [[nodiscard]] std::span<const GatherHit> of(std::size_t texel) const {
         return std::span(hits).subspan(begin[texel], begin[texel + 1] - begin[texel]);

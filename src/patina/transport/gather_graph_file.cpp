@@ -35,8 +35,8 @@ struct Header {
 };
 static_assert(sizeof(Header) == 6 * sizeof(std::uint64_t));
 
-template <typename Value>
-std::span<std::byte> bytes_of(std::vector<Value>& values) {
+template <typename Values>
+std::span<std::byte> bytes_of(Values& values) {
     return std::as_writable_bytes(std::span(values));
 }
 
