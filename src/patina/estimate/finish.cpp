@@ -71,6 +71,7 @@ class Finisher {
           budgets_(fits.size()),
           evidence_(fits.size()),
           left_out_(fits.size()),
+          misfit_stride_(misfit_stride(fits)),
           footprints_(footprint_moments(capture, scene)) {}
 
     void run() {
@@ -84,9 +85,11 @@ class Finisher {
         smooth_transport();
         find_noise();
         find_blur();
-        find_lobe_misfit();
+        estimate_.lobe_misfit = lobe_misfit_factor(left_out_);
         specular_ratios_ = mean_over_own_specular(atlas_, estimate_.maps, fits_);
-        parallel_for(num_texels, [&](std::size_t i) { put_together(i); });
+        parallel_for(num_texels, [&](std::size_t i) {
+            estimate_.errors[i] = errors_with(i, random_variance(i));
+        });
         add_fill_errors();
     }
 
@@ -101,7 +104,12 @@ class Finisher {
             patches.size(),
             [&](std::size_t patch) {
                 std::vector<FitRow> rows;
-                for (const std::size_t i : patches[patch]) look_at(i, patch, rows);
+                const std::vector<std::size_t>& texels = patches[patch];
+                for (std::size_t k = 0; k < texels.size(); ++k) {
+                    const std::size_t ahead = std::min(k + kTexelsAhead, texels.size() - 1);
+                    rows_.expect(texels[ahead], light_);
+                    look_at(texels[k], patch, rows);
+                }
             },
             1);
     }
@@ -131,6 +139,7 @@ class Finisher {
                 to_log.transpose() * fits_[i].neighbor_information.cast<double>() * to_log,
                 noise_scale_of(fits_[i], estimate_.noise_scale));
         }
+        const bool is_left_out = fits_[i].roughness_measured && i % misfit_stride_ == 0;
         std::vector<std::vector<Rgb>> changes;
         std::vector<SharedChange> shared = calibration_.light_shifts(i, rows, fitted);
         calibration_.visit(i, rows, fitted, [&](std::span<const Rgb> change, auto shared_error) {
@@ -139,10 +148,10 @@ class Finisher {
             } else if (!is_shift(*shared_error)) {
                 shared.push_back({*shared_error, {change.begin(), change.end()}});
             }
-            if (fits_[i].roughness_measured) changes.emplace_back(change.begin(), change.end());
+            if (is_left_out) changes.emplace_back(change.begin(), change.end());
         });
         self_calibration_.add(patch, rows, propagation, shared);
-        if (fits_[i].roughness_measured) {
+        if (is_left_out) {
             left_out_[i] =
                 left_out_misfit(rows, fitted, changes, estimate_.noise_scale, FitOptions());
         }
@@ -314,16 +323,6 @@ class Finisher {
         estimate_.noise_shared = residual_.shared;
     }
 
-    void find_lobe_misfit() {
-        std::vector<double> misfits;
-        for (const std::optional<double>& misfit : left_out_) {
-            if (misfit) misfits.push_back(*misfit);
-        }
-        estimate_.lobe_misfit = lobe_misfit_factor(std::move(misfits));
-    }
-
-    void put_together(std::size_t i) { estimate_.errors[i] = errors_with(i, random_variance(i)); }
-
     [[nodiscard]] Reflectance errors_with(std::size_t i, const Parameters& random) const {
         Reflectance error;
         error.diffuse = Rgb::Constant(kInfinity);
@@ -379,7 +378,8 @@ class Finisher {
     std::vector<ErrorBudget> budgets_;
     std::vector<ResidualEvidence> evidence_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
-    std::vector<double> footprints_;               // see footprint_moments()
+    std::size_t misfit_stride_;
+    std::vector<double> footprints_;  // see footprint_moments()
     ResidualVariance residual_;
 };
 

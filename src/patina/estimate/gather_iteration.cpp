@@ -11,11 +11,12 @@
 namespace patina {
 namespace {
 
-// Fits without any indirect light, to start from: the second one knows the noise.
-constexpr int kDirectTurns = 2;
-// After so many turns what counts as measured, the weights of outliers and the guide of the filling
-// stay as they are, so that the iteration comes to rest.
-constexpr int kFreezeAfter = 4;
+// What counts as measured, the weights of outliers and the guide of the filling stay as they are
+// once a turn has changed the maps by less than this, relative, after at least and at most so many
+// turns: the bounced light is known then, and the iteration comes to rest.
+constexpr double kNearRest = 0.01;
+constexpr int kFewestFreeTurns = 3;
+constexpr int kMostFreeTurns = 8;
 // While the bounced light is hardly known, looks say nothing of lobes that they hardly show.
 constexpr int kUninformedTurns = 2;
 // What is filled is solved to this share of the last turn's change, at most so roughly.
@@ -57,11 +58,8 @@ GatherIteration::GatherIteration(const Capture& capture,
 }
 
 void GatherIteration::start(Progress& progress) {
-    progress.begin_stage("method direct", kDirectTurns, "turns");
-    for (int turn = 0; turn < kDirectTurns; ++turn) {
-        take_turn("direct", {}, turn > 0, false);
-        progress.advance(1);
-    }
+    progress.begin_stage("method direct");
+    take_turn("direct", {}, false, false);
     progress.end_stage();
 }
 
@@ -69,15 +67,21 @@ void GatherIteration::run(GatherEngine& engine, Progress& progress) {
     progress.begin_stage("method gather", std::uint64_t(options_.max_iterations), "turns");
     result_.converged = false;
     double previous_error = 0;
+    double change = 1;
+    bool frozen = false;
     int turn = 0;
     for (; turn < options_.max_iterations && !result_.converged; ++turn) {
-        const IterationLog log = this->turn(engine, turn >= kFreezeAfter);
+        const bool was_frozen = frozen;
+        frozen = was_frozen || turn >= kMostFreeTurns ||
+                 (turn >= kFewestFreeTurns && change < kNearRest);
+        const IterationLog log = this->turn(engine, frozen);
+        change = log.change;
         const double error_change =
             std::abs(log.error - previous_error) / std::max(log.error, 1e-300);
         previous_error = log.error;
-        result_.converged = (turn > kFreezeAfter && log.change < options_.tolerance &&
-                             error_change < options_.tolerance) ||
-                            log.error < options_.threshold;
+        result_.converged =
+            (was_frozen && change < options_.tolerance && error_change < options_.tolerance) ||
+            log.error < options_.threshold;
         progress.advance(1);
     }
     const IterationLog& last = result_.iterations.back();
@@ -171,15 +175,16 @@ IterationLog GatherIteration::take_turn(const std::string& stage,
             if (i + kTexelsAhead < end) rows_.expect(i + kTexelsAhead, light);
             make_rows(i, light, rows);
             fit.load(rows);
-            TurnSums& sum = sums[begin / kParallelBlock];
-            sum.squared_error += fit.squared_error(result_.maps[i]);
-            sum.count += 3.0 * double(rows.size());
             if (frozen) {
                 follow_texel(fit, i);
             } else {
                 fit_texel(rows, has_maps, fit, i);
                 weigh_outliers(fit, i, misfits);
             }
+            TurnSums& sum = sums[begin / kParallelBlock];
+            sum.squared_error += fit.squared_error(
+                fits_[i].roughness_measured ? fits_[i].drawn : with_lobe_shown(i));
+            sum.count += 3.0 * double(rows.size());
         }
     });
     if (!frozen) {
@@ -265,18 +270,22 @@ void GatherIteration::draw_texel(const JointFit& joint, std::size_t i) {
     fit.drawn.diffuse = joint.diffuse_with(fit.drawn.specular, fit.drawn.roughness);
 }
 
+// The fit of a texel, with a lobe that is not measured as it was filled last.
+Reflectance GatherIteration::with_lobe_shown(std::size_t i) const {
+    Reflectance shown = fits_[i].reflectance;
+    if (!fits_[i].specular_measured) {
+        shown.specular = result_.maps[i].specular;
+        shown.roughness = result_.maps[i].roughness;
+    }
+    return shown;
+}
+
 void GatherIteration::weigh_outliers(const JointFit& joint,
                                      std::size_t i,
                                      std::vector<double>& misfits) {
     const std::span<float> factors = robust(i);
     if (factors.size() < kMinLooksForOutliers) return;
-    const TexelFit& fit = fits_[i];
-    Reflectance shown = fit.reflectance;
-    if (!fit.specular_measured) {
-        shown.specular = result_.maps[i].specular;
-        shown.roughness = result_.maps[i].roughness;
-    }
-    joint.misfits(shown, misfits);
+    joint.misfits(with_lobe_shown(i), misfits);
     for (std::size_t k = 0; k < misfits.size(); ++k) {
         misfits[k] = std::sqrt(misfits[k] / double(factors[k]));
     }

@@ -28,7 +28,7 @@ class GatherIteration {
                     const Observations& observations,
                     const EstimateOptions& options);
 
-    // Fits without indirect light, which the others start from.
+    // A fit without indirect light, which the others start from.
     void start(Progress& progress);
     // Turns until the maps rest, or options.max_iterations of them.
     void run(GatherEngine& engine, Progress& progress);
@@ -76,6 +76,7 @@ class GatherIteration {
                    std::size_t i);
     void follow_texel(const JointFit& joint, std::size_t i);
     void draw_texel(const JointFit& joint, std::size_t i);
+    [[nodiscard]] Reflectance with_lobe_shown(std::size_t i) const;
     void weigh_outliers(const JointFit& joint, std::size_t i, std::vector<double>& misfits);
 
     // All texels.

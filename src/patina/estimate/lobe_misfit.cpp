@@ -28,6 +28,10 @@ Parameters gradient_of(const FitRow& row, const Reflectance& fitted) {
     return gradient;
 }
 
+// The median of so many is known to 1.6 %, and its root, by which errors are multiplied, to half of
+// that.
+constexpr std::size_t kManyMisfits = 20'000;
+
 // `all` without the element at `left_out`.
 template <typename Value>
 std::vector<Value> without(std::span<const Value> all, std::ptrdiff_t left_out) {
@@ -101,9 +105,19 @@ std::optional<double> left_out_misfit(std::span<const FitRow> rows,
     return square((deepest->weight.sqrt() * residual).mean()) / variance;
 }
 
-double lobe_misfit_factor(std::vector<double> misfits) {
-    if (misfits.size() < kMinMisfits) return 1;
-    return std::max(1.0, std::sqrt(median(std::move(misfits)) / kMedianChiSquare));
+std::size_t misfit_stride(std::span<const TexelFit> fits) {
+    const auto num_measured = std::count_if(
+        fits.begin(), fits.end(), [](const TexelFit& fit) { return fit.roughness_measured; });
+    return 1 + std::size_t(num_measured) / kManyMisfits;
+}
+
+double lobe_misfit_factor(std::span<const std::optional<double>> misfits) {
+    std::vector<double> known;
+    for (const std::optional<double>& misfit : misfits) {
+        if (misfit) known.push_back(*misfit);
+    }
+    if (known.size() < kMinMisfits) return 1;
+    return std::max(1.0, std::sqrt(median(std::move(known)) / kMedianChiSquare));
 }
 
 }  // namespace patina

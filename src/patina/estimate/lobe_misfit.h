@@ -7,6 +7,7 @@
 #pragma once
 
 #include "patina/estimate/texel_fit.h"
+#include "patina/estimate/texel_turn.h"
 
 #include <optional>
 #include <span>
@@ -26,9 +27,12 @@ namespace patina {
                                                     double noise_scale,
                                                     const FitOptions& options);
 
+// It suffices to ask one texel in so many.
+[[nodiscard]] std::size_t misfit_stride(std::span<const TexelFit> fits);
+
 // By how much the standard errors of Ps and of sigma are to be multiplied [-], >= 1: the median of
 // the misfits over that of chi-square with one degree of freedom. 1 where there are too few to
 // tell.
-[[nodiscard]] double lobe_misfit_factor(std::vector<double> misfits);
+[[nodiscard]] double lobe_misfit_factor(std::span<const std::optional<double>> misfits);
 
 }  // namespace patina

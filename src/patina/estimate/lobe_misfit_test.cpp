@@ -44,6 +44,8 @@ std::vector<double> misfits_of(bool has_tails) {
     return misfits;
 }
 
+using Misfits = std::vector<std::optional<double>>;
+
 TEST(LobeMisfit, IsOneWhereTheLobeIsTheModels) {
     const std::vector<double> misfits = misfits_of(false);
     ASSERT_GT(misfits.size(), kNumTexels / 2);
@@ -57,7 +59,7 @@ TEST(LobeMisfit, IsOneWhereTheLobeIsTheModels) {
 TEST(LobeMisfit, ShowsTailsThatTheModelHasNot) {
     const std::vector<double> misfits = misfits_of(true);
     ASSERT_GT(misfits.size(), kNumTexels / 4);
-    EXPECT_GT(lobe_misfit_factor(misfits), 2);
+    EXPECT_GT(lobe_misfit_factor(Misfits(misfits.begin(), misfits.end())), 2);
 }
 
 TEST(LobeMisfit, CountsErrorsThatTheLooksShare) {
@@ -96,10 +98,19 @@ TEST(LobeMisfit, LeavesOutOnlyWhereTheOthersMeasureALobe) {
 }
 
 TEST(LobeMisfitFactor, IsTheRootOfTheMedianOverThatOfChiSquareAndAtLeastOne) {
-    EXPECT_NEAR(lobe_misfit_factor(std::vector<double>(40, 0.4549 * 9)), 3, 1e-3);
-    EXPECT_EQ(lobe_misfit_factor(std::vector<double>(40, 0.1)), 1);
-    // Too few to tell.
-    EXPECT_EQ(lobe_misfit_factor(std::vector<double>(10, 100)), 1);
+    EXPECT_NEAR(lobe_misfit_factor(Misfits(40, 0.4549 * 9)), 3, 1e-3);
+    EXPECT_EQ(lobe_misfit_factor(Misfits(40, 0.1)), 1);
+    // Texels that tell nothing do not count.
+    Misfits few(10, 100.0);
+    few.resize(100);
+    EXPECT_EQ(lobe_misfit_factor(few), 1);
+}
+
+TEST(MisfitStride, AsksAboutAsManyTexelsOfAnyNumber) {
+    std::vector<TexelFit> fits(100'000);
+    EXPECT_EQ(misfit_stride(fits), 1);
+    for (TexelFit& fit : fits) fit.roughness_measured = true;
+    EXPECT_EQ(misfit_stride(fits), 6);
 }
 
 }  // namespace
