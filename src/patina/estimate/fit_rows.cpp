@@ -1,5 +1,7 @@
 #include "patina/estimate/fit_rows.h"
 
+#include <numbers>
+
 namespace patina {
 namespace {
 
@@ -12,20 +14,21 @@ void FitRowMaker::make(std::size_t texel,
                        const IndirectLight& light,
                        const Reflectance& map,
                        std::vector<FitRow>& rows) const {
+    const double inverse = 1 / lamp_factor_;
     rows.clear();
     for (const Observation& look : observations_.of(texel)) {
         FitRow& row = rows.emplace_back();
-        row.radiance = look.radiance.cast<double>() / lamp_factor_;
+        row.radiance = inverse * look.radiance.cast<double>();
         row.lamps = observations_.lamps(look);
         row.theta_r = double(look.theta_r);
         for (const LampTerm& lamp : row.lamps) row.irradiance += lamp.irradiance.cast<double>();
-        Rgb variance = look.variance.cast<double>() / square(lamp_factor_);
+        Rgb variance = square(inverse) * look.variance.cast<double>();
         if (!light.irradiance.empty()) {
             const IndirectIrradiance& indirect =
                 light.irradiance[scene_.lamp_set_of_shot[look.shot]];
             row.irradiance += indirect.mean(texel);
             row.irradiance_variance = indirect.variance(texel);
-            variance += (map.diffuse / kPi).square() * row.irradiance_variance;
+            variance += (std::numbers::inv_pi * map.diffuse).square() * row.irradiance_variance;
         }
         if (!light.lobe.empty()) row.indirect_lobe = light.lobe[look.shot][texel];
         row.indirect_roughness = map.roughness;

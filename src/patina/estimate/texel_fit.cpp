@@ -314,10 +314,11 @@ FitErrors fit_errors(std::span<const FitRow> rows, const Reflectance& reflectanc
     double squared = 0;
     for (const FitRow& row : rows) {
         const LobeBasis basis = lobe_basis_and_slope(row, reflectance.roughness);
-        const Rgb h = row.irradiance / kPi;
-        const Rgb b = basis.direct / kPi;
-        const Rgb d = reflectance.specular * basis.by_roughness / kPi;
-        const Rgb predicted = reflectance.diffuse * h + reflectance.specular * basis.whole / kPi;
+        const Rgb h = std::numbers::inv_pi * row.irradiance;
+        const Rgb b = std::numbers::inv_pi * basis.direct;
+        const Rgb d = std::numbers::inv_pi * reflectance.specular * basis.by_roughness;
+        const Rgb predicted =
+            reflectance.diffuse * h + std::numbers::inv_pi * reflectance.specular * basis.whole;
         squared += (row.weight * (row.radiance - predicted).square()).sum();
         for (std::size_t c = 0; c < 3; ++c) {
             const auto i = static_cast<Eigen::Index>(c);
