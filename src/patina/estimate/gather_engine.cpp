@@ -4,6 +4,7 @@
 #include "patina/transport/gather_graph_file.h"
 
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace patina {
@@ -236,7 +237,7 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
         });
     }
     light.hidden = graph_.backs_over_fronts;
-    light.spectral_radius = spectral_radius_from(std::move(mean));
+    compare_with_last(std::move(mean), light);
 }
 
 void GatherEngine::restart() {
@@ -247,21 +248,22 @@ void GatherEngine::restart() {
     spectral_radius_ = 0;
 }
 
-// Changes near what rounding to 16 bits changes say nothing: the last ratio before stands.
-double GatherEngine::spectral_radius_from(std::vector<double> mean) {
-    double change = 0;
-    if (!previous_.empty()) {
-        change = std::sqrt(ordered_reduce(
-            mean.size(), 0.0, [&](std::size_t i) { return square(mean[i] - previous_[i]); }));
-    }
+void GatherEngine::compare_with_last(std::vector<double> mean, IndirectLight& light) {
+    const bool is_first = previous_.empty();
+    previous_.resize(mean.size(), 0.0);
+    const double change = std::sqrt(ordered_reduce(
+        mean.size(), 0.0, [&](std::size_t i) { return square(mean[i] - previous_[i]); }));
     const double size =
         std::sqrt(ordered_reduce(mean.size(), 0.0, [&](std::size_t i) { return square(mean[i]); }));
-    if (previous_change_ > kRounding * size) {
+    // Changes near what rounding to 16 bits changes say nothing: the last ratio before stands.
+    if (!is_first && previous_change_ > kRounding * size) {
         spectral_radius_ = std::min(1.0, change / previous_change_);
     }
     previous_ = std::move(mean);
-    previous_change_ = change;
-    return spectral_radius_;
+    previous_change_ = is_first ? 0 : change;
+    light.spectral_radius = spectral_radius_;
+    light.change =
+        is_first ? std::numeric_limits<double>::infinity() : (size > 0 ? change / size : 0.0);
 }
 
 }  // namespace patina

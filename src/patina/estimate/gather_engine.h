@@ -56,7 +56,8 @@ class GatherEngine final : public IndirectEngine {
         Rgbf color = Rgbf::Zero();
     };
 
-    [[nodiscard]] double spectral_radius_from(std::vector<double> mean);
+    // mean: of the irradiance of all lamps, per texel. Fills in what the light says of its change.
+    void compare_with_last(std::vector<double> mean, IndirectLight& light);
     // The light of one block's lamps, to the lamp sets that they belong to.
     void add_irradiance(std::size_t block,
                         const std::array<IndirectLanes, 2>& halves,

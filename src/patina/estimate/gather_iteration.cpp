@@ -12,11 +12,14 @@ namespace patina {
 namespace {
 
 // What counts as measured, the weights of outliers and the guide of the filling stay as they are
-// once a turn has changed the maps by less than this, relative, after at least and at most so many
-// turns: the bounced light is known then, and the iteration comes to rest.
-constexpr double kNearRest = 0.01;
+// once a turn has changed the maps and the bounced light by less than this, relative, after at
+// least and at most so many turns: the bounced light is known then, and the iteration comes to
+// rest. The light tells besides where maps lie on the border of the feasible set while it still
+// grows.
+constexpr double kMapsNearRest = 0.01;
+constexpr double kLightNearRest = 0.05;
 constexpr int kFewestFreeTurns = 3;
-constexpr int kMostFreeTurns = 8;
+constexpr int kMostFreeTurns = 12;
 // While the bounced light is hardly known, looks say nothing of lobes that they hardly show.
 constexpr int kUninformedTurns = 2;
 // What is filled is solved to this share of the last turn's change, at most so roughly.
@@ -72,8 +75,9 @@ void GatherIteration::run(GatherEngine& engine, Progress& progress) {
     int turn = 0;
     for (; turn < options_.max_iterations && !result_.converged; ++turn) {
         const bool was_frozen = frozen;
-        frozen = was_frozen || turn >= kMostFreeTurns ||
-                 (turn >= kFewestFreeTurns && change < kNearRest);
+        frozen =
+            was_frozen || turn >= kMostFreeTurns ||
+            (turn >= kFewestFreeTurns && change < kMapsNearRest && light_.change < kLightNearRest);
         const IterationLog log = this->turn(engine, frozen);
         change = log.change;
         const double error_change =

@@ -5,6 +5,7 @@
 #include "patina/estimate/observations.h"
 #include "patina/transport/ratio_kernel.h"
 
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,8 @@ struct IndirectLight {
     // Per texel, what gaps of the scan may hide, relative to the light [-]; empty: not known.
     std::vector<float> hidden;
     double spectral_radius = 0;  // lambda of the maps [-]
+    // Of the irradiance since the last evaluation, relative [-]; +infinity: not known.
+    double change = std::numeric_limits<double>::infinity();
     bool retraced = false;
 };
 
