@@ -24,6 +24,8 @@ constexpr int kOwnerSearchRadius = 8;
 template <std::size_t Size>
 class VertexWelder {
   public:
+    explicit VertexWelder(std::size_t num_vertices) { numbers_.reserve(num_vertices); }
+
     std::uint32_t number(const std::array<float, Size>& key) {
         std::array<std::uint32_t, Size> bits;
         for (std::size_t i = 0; i < Size; ++i)
@@ -44,7 +46,7 @@ class VertexWelder {
 };
 
 std::vector<std::uint32_t> weld_by_position(const Mesh& mesh) {
-    VertexWelder<3> welder;
+    VertexWelder<3> welder(mesh.positions.size());
     std::vector<std::uint32_t> ids(mesh.positions.size());
     for (std::size_t i = 0; i < ids.size(); ++i) {
         const Vec3f& p = mesh.positions[i];
@@ -54,7 +56,7 @@ std::vector<std::uint32_t> weld_by_position(const Mesh& mesh) {
 }
 
 std::vector<std::uint32_t> weld_by_position_and_uv(const Mesh& mesh) {
-    VertexWelder<5> welder;
+    VertexWelder<5> welder(mesh.positions.size());
     std::vector<std::uint32_t> ids(mesh.positions.size());
     for (std::size_t i = 0; i < ids.size(); ++i) {
         const Vec3f& p = mesh.positions[i];
