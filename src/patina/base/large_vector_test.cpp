@@ -14,7 +14,7 @@ struct alignas(64) Line {
 };
 
 TEST(LargeVector, HoldsAndAlignsSmallAndHugeOnes) {
-    for (const std::size_t count : {1u, 1000u, 100'000u}) {
+    for (const std::size_t count : {1u, 1000u, 100'000u, 300'000u}) {
         LargeVector<Line> lines(count, Line{});
         EXPECT_EQ(reinterpret_cast<std::uintptr_t>(lines.data()) % 64, 0u);
         for (std::size_t i = 0; i < count; ++i) lines[i].value[7] = double(i);
