@@ -13,9 +13,13 @@ namespace patina {
 
 SimulatedCapture::SimulatedCapture(ObjectKind kind,
                                    const std::vector<std::size_t>& lamps,
+                                   const ScanOptions& options)
+    : SimulatedCapture(make_object(kind, options.columns, options.rows), lamps, options) {}
+
+SimulatedCapture::SimulatedCapture(const SimulatedObject& object,
+                                   const std::vector<std::size_t>& lamps,
                                    const ScanOptions& options) {
     Progress progress;
-    const SimulatedObject object = make_object(kind, options.columns, options.rows);
     simulate_capture(object, lamps, options, progress, folder_.path());
     capture_ = load_capture(folder_.path());
     truth_ = load_truth(capture_.description);

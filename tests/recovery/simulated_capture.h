@@ -18,6 +18,9 @@ class SimulatedCapture {
     SimulatedCapture(ObjectKind kind,
                      const std::vector<std::size_t>& lamps,
                      const ScanOptions& options);
+    SimulatedCapture(const SimulatedObject& object,
+                     const std::vector<std::size_t>& lamps,
+                     const ScanOptions& options);
     // Under lamps of one's own, each with an id, seen by the object's first camera; nothing is held
     // out.
     SimulatedCapture(ObjectKind kind, const ScanOptions& options, const std::vector<Light>& lamps);
