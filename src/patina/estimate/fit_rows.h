@@ -9,7 +9,7 @@
 
 namespace patina {
 
-// Texels ahead of the one in hand that FitRowMaker::expect() is best told of.
+// FitRowMaker::expect() is told of the texel that comes so many after the one in hand.
 inline constexpr std::size_t kTexelsAhead = 4;
 
 class FitRowMaker {
