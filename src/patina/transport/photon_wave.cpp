@@ -1,6 +1,6 @@
 #include "patina/transport/photon_wave.h"
 
-#include "patina/reflectance/lobe_lanes.h"
+#include "patina/transport/lane_directions.h"
 
 #include <algorithm>
 #include <cmath>
@@ -92,26 +92,9 @@ void PhotonWave::sample_directions() {
         at.share[i] = lobe / std::max(at.diffuse[i] + lobe, kNegligibleAlbedo);
         const bool glossy = at.choice[i] < at.share[i];
 
-        const float decay = exp_of_negative(-2 * at.concentration[i]);
-        const float versine =
-            std::min(2.0f, -lane_log(at.u[i] + (1 - at.u[i]) * decay) / at.concentration[i]);
-        const float radius_squared = glossy ? versine * (2 - versine) : at.u[i];
-        const float z = glossy ? 1 - versine : std::sqrt(1 - at.u[i]);
-        const float radius = std::sqrt(std::max(radius_squared, 0.0f));
-        const SinCos phi = lane_sin_cos(at.v[i]);
-        const float x = radius * phi.cos;
-        const float y = radius * phi.sin;
-
-        // Frame of Duff et al. about the axis (math/warp.h).
-        const float ax = glossy ? mx : nx;
-        const float ay = glossy ? my : ny;
-        const float az = glossy ? mz : nz;
-        const float sign = std::copysign(1.0f, az);
-        const float a = -1.0f / (sign + az);
-        const float b = ax * ay * a;
-        const float ox = x * (1 + sign * ax * ax * a) + y * b + z * ax;
-        const float oy = x * sign * b + y * (sign + ay * ay * a) + z * ay;
-        const float oz = -x * sign * ax - y * ay + z * az;
+        const LaneDirection axis = glossy ? LaneDirection{mx, my, mz} : LaneDirection{nx, ny, nz};
+        const auto [ox, oy, oz] =
+            lane_direction(glossy, axis, at.concentration[i], at.u[i], at.v[i]);
         at.w_o.x[i] = ox;
         at.w_o.y[i] = oy;
         at.w_o.z[i] = oz;
@@ -221,10 +204,7 @@ void PhotonWave::weigh_directions() {
         const float dz = at.mirror.z[i] - oz;
         const float chord_squared = dx * dx + dy * dy + dz * dz;
 
-        const float kappa = at.concentration[i];
-        const float lobe_pdf = 0.5f * kInversePi * kappa *
-                               exp_of_negative(-0.5f * kappa * chord_squared) /
-                               (1 - exp_of_negative(-2 * kappa));
+        const float lobe_pdf = lane_lobe_density(at.concentration[i], chord_squared);
         const float pdf = (1 - at.share[i]) * cos_o * kInversePi + at.share[i] * lobe_pdf;
         const float theta_r = angle_of_chord_squared(chord_squared);
         hit_lanes_.theta_r_squared[hit] = theta_r * theta_r;
