@@ -63,7 +63,8 @@ class GatheredLight {
     }
     // Through lobes half, once and twice as wide as sigma [rad].
     [[nodiscard]] std::array<double, 3> lobe(TexelId texel, const Vec3f& w_v, double sigma) const {
-        const LampBlockLight::LobeLanes lanes = light_.lobe(graph_, 0, texels_, texel, w_v, sigma);
+        const LampBlockLight::LobeLanes lanes =
+            light_.lobe(graph_, 0, texels_, swept_, texel, w_v, sigma);
         return {sum(lanes.half), sum(lanes.same), sum(lanes.twice)};
     }
 

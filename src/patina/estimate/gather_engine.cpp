@@ -141,7 +141,7 @@ void GatherEngine::add_lobes(std::size_t block,
         for (std::size_t view = 0; view < views_.size(); ++view) {
             if (shares[view].empty() || !(views_[view][i].squaredNorm() > 0)) continue;
             const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
-                graph_, view, texels, TexelId(i), views_[view][i], maps[i].roughness);
+                graph_, view, texels, swept_, TexelId(i), views_[view][i], maps[i].roughness);
             for (const Share& share : shares[view]) {
                 const std::size_t lane = share.place->lane;
                 const auto light = [&](const std::array<Lanes, 3>& channels) {

@@ -26,8 +26,9 @@ constexpr int kUninformedTurns = 2;
 constexpr double kFillShare = 0.01;
 constexpr double kRoughestFill = 1e-3;
 // A look whose residual is more standard deviations away than this counts for less (Huber's
-// weight).
+// weight), and so many times further still less, by the square of it.
 constexpr double kOutlier = 2.0;
+constexpr double kGross = 7.0;
 constexpr std::size_t kMinLooksForOutliers = 5;
 // The median of |x| of three normal channels taken together, root of the median of chi^2(3) / 3.
 constexpr double kMedianMisfit = 0.888;
@@ -297,7 +298,8 @@ void GatherIteration::weigh_outliers(const JointFit& joint,
     const double local = median(std::move(sorted)) / kMedianMisfit;
     const double limit = kOutlier * std::max(result_.noise_scale, local);
     for (std::size_t k = 0; k < misfits.size(); ++k) {
-        factors[k] = misfits[k] > limit ? float(limit / misfits[k]) : 1.0f;
+        const double beyond = misfits[k] / limit;
+        factors[k] = beyond > 1 ? float(std::min(1.0, square(kGross / beyond)) / beyond) : 1.0f;
     }
 }
 

@@ -9,7 +9,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 
 namespace patina {
@@ -22,10 +21,6 @@ constexpr double kTexelBytes = 1600;
 constexpr double kFilterTexels = 4;
 // Radiance, its variance, and what the file holds before it is decoded.
 constexpr double kPixelBytes = 40;
-
-double sum_of(const std::vector<double>& values) {
-    return std::accumulate(values.begin(), values.end(), 0.0);
-}
 
 std::string in_gibibytes(double bytes) { return fmt::format("{:.2f} GiB", bytes / kGibibyte); }
 
@@ -85,8 +80,10 @@ MemoryCounts count_work(const Capture& capture,
         expect_gather_hits(surface, capture.atlas, view_directions(scene), options.gather);
     counts.filter_radius = options.filter_radius;
     const double rays = double(counts.texels) * double(options.gather.rays);
-    counts.photons_of_lamp = NarrowLobes::expect_bytes(
-        counts.texels, rays > 0 ? counts.hits.irradiance / rays : 0, narrow_lobe_options(options));
+    counts.photons_of_lamp =
+        NarrowLobes::expect_bytes(counts.texels,
+                                  rays > 0 ? counts.hits.irradiance.hits / rays : 0,
+                                  narrow_lobe_options(options));
     return counts;
 }
 
@@ -95,10 +92,17 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
     const auto views = double(counts.cameras);
     const auto shots = double(counts.shots);
     const double gradient = counts.has_gradients ? sizeof(SampleGradient) : 0;
-    const double lobe_hits = sum_of(counts.hits.lobes);
-    const double hits = counts.hits.irradiance + lobe_hits;
-    double largest_rows = counts.hits.irradiance;
-    for (const double rows : counts.hits.lobes) largest_rows = std::max(largest_rows, rows);
+    double hits = 0;
+    double graph = 0;
+    double largest_rows = 0;
+    const auto count_rows = [&](const GatherHitCount::Rows& rows) {
+        const double bytes = rows.hits * sizeof(GatherHit) + rows.glossy * sizeof(GlossyHit);
+        hits += rows.hits;
+        graph += bytes;
+        largest_rows = std::max(largest_rows, bytes);
+    };
+    count_rows(counts.hits.irradiance);
+    for (const GatherHitCount::Rows& rows : counts.hits.lobes) count_rows(rows);
 
     MemoryNeed need;
     need.views = texels * (views * (sizeof(TexelView) + sizeof(Vec3f)) +
@@ -108,8 +112,8 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
                  double(counts.looks.terms) * sizeof(LampTerm);
     need.images = texels * shots * (sizeof(TexelSample) + gradient) +
                   kPixelBytes * double(counts.image_pixels);
-    need.graph = hits * sizeof(GatherHit) + texels * (views + 1) * sizeof(std::size_t);
-    need.tracing = 2 * largest_rows * sizeof(GatherHit);
+    need.graph = graph + 2 * texels * (views + 1) * sizeof(std::size_t);
+    need.tracing = 2 * largest_rows;
     // Blocks that turn are kept first. One that is not kept is there while it is worked on, and
     // one that turns is the larger.
     const std::size_t blocks = counts.turning_blocks + counts.standing_blocks;
@@ -120,8 +124,8 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
                          double(present - turning) * sizeof(StandingHit)) +
                  texels * (double(counts.standing_blocks) * sizeof(LitTexel) +
                            double(blocks) * (sizeof(StandingRow) + kSwept));
-    // Two halves, before and after the filter.
-    const double sweep = 4 * kSwept;
+    // Two halves, before and after the filter, and what second rays meet.
+    const double sweep = 4 * kSwept + sizeof(OnwardRow);
     const double filter =
         kFilterTexels * square(counts.filter_radius) * (sizeof(TexelId) + sizeof(float)) +
         sizeof(std::size_t);

@@ -1,17 +1,17 @@
 // The memory that method gather will need, reckoned before the work, and how to stay within less.
 //
 // With T texels, V cameras, S shots, M sets of lamps, N lamps, R looks with K lamp terms, H hits of
-// the graph's rays, in bytes (names of structs stand for their sizes):
+// the graph's rays and G of its second rays, in bytes (names of structs stand for their sizes):
 //
 //     held       what the process has when it is asked: the program, mesh, atlas, ray tracer
 //     views      T (V TexelView + N DirectLight + 12 V)
 //     looks      R (Observation + 16) + K LampTerm, and 24 R with an error of registration
 //     images     T S (TexelSample, and 24 with an error of registration) + one image
-//     graph      H GatherHit + 8 T (V + 1)
-//     tracing    2 GatherHit for each hit of the largest rows, on top, before they are compact
+//     graph      H GatherHit + G GlossyHit + 16 T (V + 1)
+//     tracing    twice the hits of the largest rows, on top, before they are compact
 //     lanes      H TurningHit for each block of 8 lamps that turn with the scanner,
 //                H StandingHit + T LitTexel for each one that stands, 160 T for either
-//     light      T (24 M + IndirectLobe S) + 384 T while a block is swept
+//     light      T (24 M + IndirectLobe S) + 448 T while a block is swept
 //     photons    for each lamp that stands still, were all lobes narrow:
 //                NarrowLobes::expect_bytes()
 //     texels     kTexelBytes T

@@ -28,15 +28,16 @@ MemoryCounts large_scan() {
     counts.image_pixels = 1 << 20;
     counts.filter_radius = 2;
     counts.looks = {40U << 20, 40U << 20};
-    counts.hits = {32.0 * (1 << 20), {16.0 * (1 << 20)}};
+    counts.hits = {{32.0 * (1 << 20), 8.0 * (1 << 20)}, {{16.0 * (1 << 20), 4.0 * (1 << 20)}}};
     return counts;
 }
 
 TEST(MemoryNeed, IsThatOfTheLargestVectorsByTheirSizes) {
     const MemoryCounts counts = large_scan();
     const MemoryNeed need = memory_need(counts, counts.turning_blocks);
-    // Hits of 24 bytes, offsets of 8; lanes of 3 x 8 numbers of 16 bits for each block.
-    EXPECT_EQ(need.graph, (48.0 * 24 + 2 * 8) * (1 << 20));
+    // Hits of 24 bytes, glossy ones of 12, offsets of 8; lanes of 3 x 8 numbers of 16 bits for each
+    // block.
+    EXPECT_EQ(need.graph, (48.0 * 24 + 12.0 * 12 + 4 * 8) * (1 << 20));
     EXPECT_GT(need.lanes, 8 * 48 * 48.0 * (1 << 20));
     EXPECT_LT(need.lanes, 1.2 * 8 * 48 * 48.0 * (1 << 20));
     EXPECT_EQ(
@@ -82,7 +83,7 @@ TEST(MemoryPlan, SaysWhatIsNeededAndWhatLowersIt) {
                                                HasSubstr(advice))));
     };
     expect_error("shots marked as held out");
-    counts.hits.irradiance *= 4;
+    counts.hits.irradiance.hits *= 4;
     expect_error("fewer --gather-rays and --lobe-rays");
 }
 

@@ -2,138 +2,25 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
-#include "patina/base/random.h"
-#include "patina/math/warp.h"
+#include "patina/transport/gather_rays.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
+#include <memory>
 #include <numeric>
 
 namespace patina {
 namespace {
 
 constexpr std::size_t kTexelsPerBlock = 1024;
-// Rays of the first look, and how many rings of neighbours share what it found: about 25 texels, so
-// that a solid angle of 1 % of the hemisphere (cosine-weighted) is missed once in fifty times.
-constexpr int kProbeRays = 16;
+// How many rings of neighbours share what GatherRays::kProbeRays found: about 25 texels, so that a
+// solid angle of 1 % of the hemisphere (cosine-weighted) is missed once in fifty times.
 constexpr int kProbeRings = 2;
 // Texels that the number of hits is judged by. Where one texel's share of rays that hit differs
 // from another's by all or nothing, the standard error of the mean share is 0.5 / sqrt(4096), below
 // 1 %.
 constexpr std::size_t kJudgedTexels = 4096;
-// One lobe ray in so many is drawn over the whole hemisphere, so that no weight is unbounded where
-// a lobe is wider than the one that the rays are drawn from.
-constexpr int kDefensiveShare = 4;
-
-// Streams of random numbers for each texel.
-enum class Stream : std::uint64_t { probe = 0, irradiance = 1, first_view = 2 };
-
-class GraphTracer {
-  public:
-    GraphTracer(const Surface& surface, const TexelAtlas& atlas, const GatherOptions& options)
-        : surface_(surface), atlas_(atlas), options_(options) {}
-
-    [[nodiscard]] bool probe_hits(std::size_t texel) const {
-        const SurfacePoint& point = atlas_.texels[texel].point;
-        const Frame frame(point.normal);
-        const PairSequence pairs(*this, texel, std::uint64_t(Stream::probe));
-        for (int k = 0; k < kProbeRays; ++k) {
-            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(pairs.at(k)));
-            if (point.geometric_normal.dot(w) <= 0) continue;
-            if (surface_.tracer->occluded(surface_.tracer->offset(point, w), w)) return true;
-        }
-        return false;
-    }
-
-    // Returns how many rays hit a back.
-    int trace_irradiance(std::size_t texel, std::vector<GatherHit>& hits) const {
-        const Frame frame(atlas_.texels[texel].point.normal);
-        const float weight = float(kPi / options_.rays);
-        int num_backs = 0;
-        const PairSequence pairs(*this, texel, std::uint64_t(Stream::irradiance));
-        for (int k = 0; k < options_.rays; ++k) {
-            const Vec3 w = frame.to_world(square_to_cosine_hemisphere(pairs.at(k)));
-            num_backs += trace(texel, w, weight, half_of(k, options_.rays), hits) == Met::back;
-        }
-        return num_backs;
-    }
-
-    void trace_lobe(std::size_t texel,
-                    std::size_t view,
-                    const Vec3& w_v,
-                    std::vector<GatherHit>& hits) const {
-        const Vec3& normal = atlas_.texels[texel].point.normal;
-        const double cos_v = normal.dot(w_v);
-        if (!(cos_v > 0)) return;
-        const Vec3 mirror = 2 * cos_v * normal - w_v;
-        const Frame about_normal(normal);
-        const Frame about_mirror(mirror);
-        const double kappa = 1 / square(options_.lobe_spread);
-        const PairSequence pairs(*this, texel, std::uint64_t(Stream::first_view) + view);
-        for (int k = 0; k < options_.lobe_rays; ++k) {
-            const bool is_defensive = k % kDefensiveShare == 0;
-            const auto u = pairs.at(k);
-            const Vec3 w = is_defensive
-                               ? about_normal.to_world(square_to_cosine_hemisphere(u))
-                               : about_mirror.to_world(square_to_von_mises_fisher(u, kappa));
-            const double cosine = normal.dot(w);
-            if (!(cosine > 0)) continue;
-            const double density = (cosine / kPi + (kDefensiveShare - 1) *
-                                                       von_mises_fisher_pdf(mirror.dot(w), kappa)) /
-                                   kDefensiveShare;
-            const double weight = cosine / (density * options_.lobe_rays);
-            trace(texel, w, float(weight), half_of(k, options_.lobe_rays), hits);
-        }
-    }
-
-  private:
-    enum class Met { nothing, front, back };
-
-    // Consecutive points of the sequence are stratified among themselves, so each half is.
-    static std::uint32_t half_of(int ray, int rays) { return ray < rays / 2 ? 0u : 1u; }
-
-    // The first pairs of the SobolSamplers of one texel's rays, which have their scrambling in
-    // common.
-    class PairSequence {
-      public:
-        PairSequence(const GraphTracer& tracer, std::size_t texel, std::uint64_t stream)
-            : scramble_(
-                  sobol_scramble(sobol_element_hash(tracer.options_.seed,
-                                                    Pass::gather,
-                                                    stream * tracer.atlas_.texels.size() + texel),
-                                 1)) {}
-        [[nodiscard]] std::array<double, 2> at(int ray) const {
-            return sobol_point(scramble_, std::uint32_t(ray));
-        }
-
-      private:
-        SobolScramble scramble_;
-    };
-
-    Met trace(std::size_t texel,
-              const Vec3& w,
-              float weight,
-              std::uint32_t half,
-              std::vector<GatherHit>& hits) const {
-        const SurfacePoint& point = atlas_.texels[texel].point;
-        if (!faces(point, w)) return Met::nothing;
-        const auto hit = surface_.tracer->intersect(surface_.tracer->offset(point, w), w);
-        if (!hit) return Met::nothing;
-        const SurfacePoint other = surface_point(*surface_.mesh, hit->triangle, hit->barycentric);
-        if (other.geometric_normal.dot(w) >= 0) return Met::back;
-        if (!faces(other, -w)) return Met::nothing;
-        const TexelId to = atlas_.lookup(*surface_.mesh, hit->triangle, hit->barycentric);
-        if (to != kNoTexel) hits.push_back({to, w.cast<float>(), weight, half});
-        return Met::front;
-    }
-
-    const Surface& surface_;
-    const TexelAtlas& atlas_;
-    const GatherOptions& options_;
-};
-
 // Texels within so many rings of one that is marked.
 std::vector<std::uint8_t> grow(const TexelAtlas& atlas, std::vector<std::uint8_t> marked) {
     for (int ring = 0; ring < kProbeRings; ++ring) {
@@ -148,36 +35,71 @@ std::vector<std::uint8_t> grow(const TexelAtlas& atlas, std::vector<std::uint8_t
     return marked;
 }
 
-// Rows whose texels are traced by trace_texel(texel, hits), side by side.
-template <typename TraceTexel>
-GatherRows make_rows(std::size_t num_texels, Progress& progress, const TraceTexel& trace_texel) {
-    GatherRows rows;
-    rows.begin.assign(num_texels + 1, 0);
-    std::vector<std::vector<GatherHit>> blocks((num_texels + kTexelsPerBlock - 1) /
-                                               kTexelsPerBlock);
-    parallel_for(
-        blocks.size(),
-        [&](std::size_t block) {
-            const std::size_t end = std::min(num_texels, (block + 1) * kTexelsPerBlock);
-            for (std::size_t i = block * kTexelsPerBlock; i < end; ++i) {
-                const std::size_t before = blocks[block].size();
-                trace_texel(i, blocks[block]);
-                rows.begin[i + 1] = blocks[block].size() - before;
-            }
-            progress.advance(end - block * kTexelsPerBlock);
-        },
-        1);
-    std::partial_sum(rows.begin.begin(), rows.begin.end(), rows.begin.begin());
-    rows.hits.resize(rows.begin.back());
+// Joins what blocks of texels hold, in order, by all threads; the blocks are empty afterwards.
+template <typename Hit>
+LargeVector<Hit> joined(std::vector<std::vector<Hit>>& blocks,
+                        const std::vector<std::size_t>& begin) {
+    LargeVector<Hit> hits(begin.back());
     parallel_for(
         blocks.size(),
         [&](std::size_t block) {
             std::copy(blocks[block].begin(),
                       blocks[block].end(),
-                      rows.hits.begin() + std::ptrdiff_t(rows.begin[block * kTexelsPerBlock]));
+                      hits.begin() + std::ptrdiff_t(begin[block * kTexelsPerBlock]));
             blocks[block] = {};
         },
         1);
+    return hits;
+}
+
+// What traces the rays of an atlas.
+struct GraphTracer {
+    const Surface& surface;
+    const TexelAtlas& atlas;
+    const GatherOptions& options;
+
+    // Calls work(rays, i) for every i in [0, count), side by side.
+    template <typename Work>
+    void run(std::size_t count, const Work& work) const {
+        run_blocks(count, [&](GatherRays& rays, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) work(rays, i);
+        });
+    }
+    // Calls work(rays, begin, end) for blocks of kTexelsPerBlock, side by side.
+    template <typename Work>
+    void run_blocks(std::size_t count, const Work& work) const {
+        parallel_blocks(count, kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
+            work(*std::make_unique<GatherRays>(surface, atlas, options), begin, end);
+        });
+    }
+};
+
+// Rows whose texels are traced by trace_texel(rays, texel, row).
+template <typename TraceTexel>
+GatherRows make_rows(const GraphTracer& tracer, Progress& progress, const TraceTexel& trace_texel) {
+    const std::size_t num_texels = tracer.atlas.texels.size();
+    GatherRows rows;
+    rows.begin.assign(num_texels + 1, 0);
+    rows.glossy_begin.assign(num_texels + 1, 0);
+    const std::size_t num_blocks = (num_texels + kTexelsPerBlock - 1) / kTexelsPerBlock;
+    std::vector<std::vector<GatherHit>> hits(num_blocks);
+    std::vector<std::vector<GlossyHit>> glossy(num_blocks);
+    tracer.run_blocks(num_texels, [&](GatherRays& rays, std::size_t begin, std::size_t end) {
+        const std::size_t block = begin / kTexelsPerBlock;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::size_t before = hits[block].size();
+            const std::size_t glossy_before = glossy[block].size();
+            trace_texel(rays, i, TracedRow{hits[block], glossy[block], before});
+            rows.begin[i + 1] = hits[block].size() - before;
+            rows.glossy_begin[i + 1] = glossy[block].size() - glossy_before;
+        }
+        progress.advance(end - begin);
+    });
+    for (std::vector<std::size_t>* begin : {&rows.begin, &rows.glossy_begin}) {
+        std::partial_sum(begin->begin(), begin->end(), begin->begin());
+    }
+    rows.hits = joined(hits, rows.begin);
+    rows.glossy = joined(glossy, rows.glossy_begin);
     return rows;
 }
 
@@ -189,38 +111,38 @@ GatherGraph trace_gather_graph(const Surface& surface,
                                const GatherOptions& options,
                                Progress& progress) {
     PATINA_CHECK(options.rays >= 4 && options.lobe_rays >= 4 && options.lobe_spread > 0);
+    PATINA_CHECK(std::max(options.rays, options.lobe_rays) <= kMaxGatherRays);
     const std::size_t num_texels = atlas.texels.size();
     progress.begin_stage("gather graph", num_texels * (1 + views.size()), "texels");
-    const GraphTracer tracer(surface, atlas, options);
+    const GraphTracer tracer{surface, atlas, options};
     std::vector<std::uint8_t> sees_surface(num_texels);
-    parallel_for(num_texels, [&](std::size_t i) { sees_surface[i] = tracer.probe_hits(i); });
+    tracer.run(num_texels,
+               [&](GatherRays& rays, std::size_t i) { sees_surface[i] = rays.probe_hits(i); });
     sees_surface = grow(atlas, std::move(sees_surface));
 
     GatherGraph graph;
     graph.backs_over_fronts.assign(num_texels, 0.0f);
     graph.irradiance =
-        make_rows(num_texels, progress, [&](std::size_t i, std::vector<GatherHit>& hits) {
+        make_rows(tracer, progress, [&](GatherRays& rays, std::size_t i, const TracedRow& row) {
             if (sees_surface[i] == 0) return;
-            const std::size_t before = hits.size();
-            const int num_backs = tracer.trace_irradiance(i, hits);
+            const int num_backs = rays.trace_irradiance(i, row);
             graph.backs_over_fronts[i] =
-                float(num_backs) / float(std::max<std::size_t>(1, hits.size() - before));
+                float(num_backs) / float(std::max<std::size_t>(1, row.hits.size() - row.first));
         });
     const auto num_concave =
         std::accumulate(sees_surface.begin(), sees_surface.end(), std::uint64_t(0));
-    graph.num_rays = num_texels * kProbeRays + num_concave * std::uint64_t(options.rays);
+    graph.num_rays =
+        num_texels * GatherRays::kProbeRays + num_concave * std::uint64_t(options.rays);
     for (std::size_t view = 0; view < views.size(); ++view) {
         const auto wanted = [&](std::size_t i) {
             return sees_surface[i] != 0 && views[view][i].squaredNorm() > 0;
         };
         graph.lobes.push_back(
-            make_rows(num_texels, progress, [&](std::size_t i, std::vector<GatherHit>& hits) {
-                if (wanted(i)) {
-                    tracer.trace_lobe(i, view, views[view][i].cast<double>().normalized(), hits);
-                }
+            make_rows(tracer, progress, [&](GatherRays& rays, std::size_t i, const TracedRow& row) {
+                if (wanted(i)) rays.trace_lobe(i, view, views[view][i], row);
             }));
         for (std::size_t i = 0; i < num_texels; ++i) {
-            if (wanted(i)) graph.num_rays += std::uint64_t(options.lobe_rays);
+            graph.num_rays += wanted(i) ? std::uint64_t(options.lobe_rays) : 0;
         }
     }
     progress.end_stage(
@@ -236,28 +158,34 @@ GatherHitCount expect_gather_hits(const Surface& surface,
                                   const TexelAtlas& atlas,
                                   std::span<const ViewDirections> views,
                                   const GatherOptions& options) {
-    const GraphTracer tracer(surface, atlas, options);
+    const GraphTracer tracer{surface, atlas, options};
     const std::size_t num_texels = atlas.texels.size();
     const std::size_t step = std::max<std::size_t>(1, num_texels / kJudgedTexels);
     const std::size_t num_judged = (num_texels + step - 1) / step;
     const auto expected = [&](const auto& trace_texel) {
-        const auto hits_of = [&](std::size_t k) {
-            std::vector<GatherHit> hits;
-            trace_texel(k * step, hits);
-            return double(hits.size());
+        std::vector<std::size_t> hits(num_judged);
+        std::vector<std::size_t> glossy(num_judged);
+        tracer.run(num_judged, [&](GatherRays& rays, std::size_t k) {
+            std::vector<GatherHit> hits_of_texel;
+            std::vector<GlossyHit> glossy_of_texel;
+            trace_texel(rays, k * step, TracedRow{hits_of_texel, glossy_of_texel, 0});
+            hits[k] = hits_of_texel.size();
+            glossy[k] = glossy_of_texel.size();
+        });
+        const auto of_all = [&](const std::vector<std::size_t>& counts) {
+            return double(std::accumulate(counts.begin(), counts.end(), std::size_t(0))) *
+                   double(num_texels) / double(num_judged);
         };
-        return ordered_reduce(num_judged, 0.0, hits_of) * double(num_texels) / double(num_judged);
+        return GatherHitCount::Rows{of_all(hits), of_all(glossy)};
     };
     GatherHitCount count;
-    count.irradiance = expected([&](std::size_t i, std::vector<GatherHit>& hits) {
-        static_cast<void>(tracer.trace_irradiance(i, hits));
+    count.irradiance = expected([](GatherRays& rays, std::size_t i, const TracedRow& row) {
+        static_cast<void>(rays.trace_irradiance(i, row));
     });
-    for (std::size_t view = 0; view < views.size(); ++view) {
-        count.lobes.push_back(expected([&](std::size_t i, std::vector<GatherHit>& hits) {
-            const Vec3f& w_v = views[view][i];
-            if (w_v.squaredNorm() > 0) {
-                tracer.trace_lobe(i, view, w_v.cast<double>().normalized(), hits);
-            }
+    for (const ViewDirections& towards : views) {
+        const auto view = std::size_t(&towards - views.data());
+        count.lobes.push_back(expected([&](GatherRays& rays, std::size_t i, const TracedRow& row) {
+            if (towards[i].squaredNorm() > 0) rays.trace_lobe(i, view, towards[i], row);
         }));
     }
     return count;

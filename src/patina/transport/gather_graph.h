@@ -15,9 +15,13 @@
 
 namespace patina {
 
+// Hits of a texel are numbered in 16 bits.
+inline constexpr int kMaxGatherRays = 65'536;
+
 struct GatherOptions {
-    int rays = 64;             // per texel over the cosine-weighted hemisphere; a power of two >= 4
-    int lobe_rays = 32;        // per texel and camera that sees it, towards its lobe; as above
+    // A power of two from 4 to kMaxGatherRays.
+    int rays = 64;             // per texel over the cosine-weighted hemisphere
+    int lobe_rays = 32;        // per texel and camera that sees it, towards its lobe
     double lobe_spread = 0.2;  // sigma of the lobe that these rays are drawn from [rad]; > 0
     std::uint64_t seed = 1;    // any
 };
@@ -32,10 +36,24 @@ struct GatherHit {
     std::uint32_t half = 0;  // which of two independent halves of the rays, 0 or 1
 };
 
-// Rays of one purpose, compressed rows: texels + 1 offsets into hits.
+// A second ray, from the place y that a first one met, about the mirror direction there, which met
+// a front again: of the light from there the lobe of y sends a part back along the first ray. For
+// Ps = pi that part is weight exp(-theta^2 / (2 sigma^2)) L, L the radiance from `to` towards y.
+struct GlossyHit {
+    TexelId to = kNoTexel;
+    std::uint16_t hit = 0;            // of the first ray: its number in the texel's row of hits
+    std::uint16_t theta_squared = 0;  // from the mirror direction, to_compact() [rad^2]
+    // Cosine of arrival at y over (max(cos_i, c0) max(cos_o, c0) density) [sr].
+    float weight = 0;
+};
+
+// Rays of one purpose, compressed rows: texels + 1 offsets into hits, and into glossy hits, which
+// are in the order of the hits that they belong to.
 struct GatherRows {
     std::vector<std::size_t> begin;
     LargeVector<GatherHit> hits;
+    std::vector<std::size_t> glossy_begin;
+    LargeVector<GlossyHit> glossy;
 
     [[nodiscard]] std::span<const GatherHit> of(std::size_t texel) const {
         return std::span(hits).subspan(begin[texel], begin[texel + 1] - begin[texel]);
@@ -56,7 +74,7 @@ struct GatherGraph {
 
 // Raised with every change of the rays or of what is kept of them: saved graphs of other versions
 // are not used.
-inline constexpr std::uint64_t kGatherGraphVersion = 2;
+inline constexpr std::uint64_t kGatherGraphVersion = 3;
 
 // Texels around which a first handful of rays meets nothing count as convex and get no more rays.
 // views: per camera, one direction per texel (unit, towards the camera).
@@ -68,8 +86,12 @@ inline constexpr std::uint64_t kGatherGraphVersion = 2;
 
 // How many hits a graph will hold.
 struct GatherHitCount {
-    double irradiance = 0;
-    std::vector<double> lobes;  // per camera view
+    struct Rows {
+        double hits = 0;
+        double glossy = 0;
+    };
+    Rows irradiance;
+    std::vector<Rows> lobes;  // per camera view
 };
 
 // Judged by some thousand texels, evenly spread; texels that count as convex are taken for others,

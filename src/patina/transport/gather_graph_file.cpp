@@ -22,10 +22,11 @@ namespace fs = std::filesystem;
 constexpr std::string_view kMagic = "patina graph\n";
 constexpr std::size_t kPieceBytes = std::size_t(1) << 24;
 static_assert(sizeof(GatherHit) == 6 * sizeof(float), "hits have no bytes between their fields");
+static_assert(sizeof(GlossyHit) == 3 * sizeof(float), "hits have no bytes between their fields");
 
-// What stands behind the magic. Behind it, in turn: hits of the irradiance and of every view
-// [64 bits each]; for the irradiance and every view the hits of every texel [32 bits each] and the
-// hits; the hash of all this.
+// What stands behind the magic. Behind it, in turn: hits and glossy hits of the irradiance and of
+// every view [64 bits each]; for the irradiance and every view the hits of every texel [32 bits
+// each] and the hits, and the same of the glossy hits; the hash of all this.
 struct Header {
     std::uint64_t version = kGatherGraphVersion;
     Hash128 fingerprint{};
@@ -34,6 +35,11 @@ struct Header {
     std::uint64_t num_rays = 0;
 };
 static_assert(sizeof(Header) == 6 * sizeof(std::uint64_t));
+
+struct RowCounts {
+    std::uint64_t hits = 0;
+    std::uint64_t glossy = 0;
+};
 
 template <typename Values>
 std::span<std::byte> bytes_of(Values& values) {
@@ -65,19 +71,20 @@ class GraphReader {
         }
         // Sizes are compared with that of the file before memory is taken for them.
         if (header.num_views > size_ || header.num_texels > size_) return std::nullopt;
-        std::vector<std::uint64_t> num_hits(header.num_views + 1);
-        if (!read_bytes(bytes_of(num_hits))) return std::nullopt;
-        for (const std::uint64_t count : num_hits) {
-            if (count > size_ / sizeof(GatherHit)) return std::nullopt;
+        std::vector<RowCounts> counts(header.num_views + 1);
+        if (!read_bytes(bytes_of(counts))) return std::nullopt;
+        for (const RowCounts& count : counts) {
+            if (count.hits > size_ / sizeof(GatherHit)) return std::nullopt;
+            if (count.glossy > size_ / sizeof(GlossyHit)) return std::nullopt;
         }
         GatherGraph graph;
         graph.num_rays = header.num_rays;
         graph.backs_over_fronts.resize(header.num_texels);
         if (!read_bytes(bytes_of(graph.backs_over_fronts))) return std::nullopt;
-        if (!read_rows(header.num_texels, num_hits[0], graph.irradiance)) return std::nullopt;
+        if (!read_rows(header.num_texels, counts[0], graph.irradiance)) return std::nullopt;
         for (std::size_t view = 0; view < header.num_views; ++view) {
             GatherRows& rows = graph.lobes.emplace_back();
-            if (!read_rows(header.num_texels, num_hits[view + 1], rows)) return std::nullopt;
+            if (!read_rows(header.num_texels, counts[view + 1], rows)) return std::nullopt;
         }
         const Hash128 hash = hasher_.hash();
         Hash128 stored{};
@@ -97,15 +104,23 @@ class GraphReader {
         return bool(stream_);
     }
 
-    [[nodiscard]] bool read_rows(std::size_t num_texels, std::size_t num_hits, GatherRows& rows) {
+    [[nodiscard]] bool read_rows(std::size_t num_texels, const RowCounts& count, GatherRows& rows) {
+        return read_lists(num_texels, count.hits, rows.begin, rows.hits) &&
+               read_lists(num_texels, count.glossy, rows.glossy_begin, rows.glossy);
+    }
+
+    template <typename Hit>
+    [[nodiscard]] bool read_lists(std::size_t num_texels,
+                                  std::uint64_t num_hits,
+                                  std::vector<std::size_t>& begin,
+                                  LargeVector<Hit>& hits) {
         std::vector<std::uint32_t> counts(num_texels);
         if (!read_bytes(bytes_of(counts))) return false;
-        rows.begin.assign(num_texels + 1, 0);
-        std::partial_sum(
-            counts.begin(), counts.end(), rows.begin.begin() + 1, std::plus<std::size_t>());
-        if (rows.begin.back() != num_hits) return false;
-        rows.hits.resize(num_hits);
-        return read_bytes(bytes_of(rows.hits));
+        begin.assign(num_texels + 1, 0);
+        std::partial_sum(counts.begin(), counts.end(), begin.begin() + 1, std::plus<std::size_t>());
+        if (begin.back() != num_hits) return false;
+        hits.resize(num_hits);
+        return read_bytes(bytes_of(hits));
     }
 
     std::ifstream stream_;
@@ -126,9 +141,12 @@ class GraphWriter {
                             graph.lobes.size(),
                             graph.num_rays};
         write_bytes(std::as_bytes(std::span(&header, 1)));
-        std::vector<std::uint64_t> num_hits = {graph.irradiance.hits.size()};
-        for (const GatherRows& rows : graph.lobes) num_hits.push_back(rows.hits.size());
-        write_bytes(bytes_of(num_hits));
+        const auto count = [](const GatherRows& rows) {
+            return RowCounts{rows.hits.size(), rows.glossy.size()};
+        };
+        std::vector<RowCounts> counts = {count(graph.irradiance)};
+        for (const GatherRows& rows : graph.lobes) counts.push_back(count(rows));
+        write_bytes(bytes_of(counts));
         write_bytes(std::as_bytes(std::span(graph.backs_over_fronts)));
         write_rows(graph.irradiance);
         for (const GatherRows& rows : graph.lobes) write_rows(rows);
@@ -146,12 +164,18 @@ class GraphWriter {
     }
 
     void write_rows(const GatherRows& rows) {
-        std::vector<std::uint32_t> counts(rows.begin.size() - 1);
+        write_lists(rows.begin, rows.hits);
+        write_lists(rows.glossy_begin, rows.glossy);
+    }
+
+    template <typename Hit>
+    void write_lists(const std::vector<std::size_t>& begin, const LargeVector<Hit>& hits) {
+        std::vector<std::uint32_t> counts(begin.size() - 1);
         for (std::size_t i = 0; i < counts.size(); ++i) {
-            counts[i] = std::uint32_t(rows.begin[i + 1] - rows.begin[i]);
+            counts[i] = std::uint32_t(begin[i + 1] - begin[i]);
         }
         write_bytes(bytes_of(counts));
-        write_bytes(std::as_bytes(std::span(rows.hits)));
+        write_bytes(std::as_bytes(std::span(hits)));
     }
 
     OutputFile file_;

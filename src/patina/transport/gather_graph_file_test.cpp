@@ -8,7 +8,7 @@
 #include <gtest/gtest.h>
 
 #include "support/channel.h"
-#include <cstring>
+#include "support/same_bytes.h"
 #include <functional>
 
 namespace patina {
@@ -18,8 +18,8 @@ using testing::HasSubstr;
 using testing::ThrowsMessage;
 
 bool same_rows(const GatherRows& a, const GatherRows& b) {
-    return a.begin == b.begin && a.hits.size() == b.hits.size() &&
-           std::memcmp(a.hits.data(), b.hits.data(), a.hits.size() * sizeof(GatherHit)) == 0;
+    return a.begin == b.begin && a.glossy_begin == b.glossy_begin && same_bytes(a.hits, b.hits) &&
+           same_bytes(a.glossy, b.glossy);
 }
 
 bool same_graph(const GatherGraph& a, const GatherGraph& b) {
@@ -66,6 +66,7 @@ TEST_F(GatherGraphFile, ComesBackAsItWas) {
     const GatherGraph graph = traced();
     ASSERT_GT(graph.irradiance.hits.size(), 0U);
     ASSERT_GT(graph.lobes[1].hits.size(), 0U);
+    ASSERT_GT(graph.irradiance.glossy.size(), 0U);
     write_gather_graph(file(), fingerprint(), graph);
     const std::optional<GatherGraph> read = read_gather_graph(file(), fingerprint());
     ASSERT_TRUE(read.has_value());

@@ -107,21 +107,24 @@ Lanes light_units(const TexelAtlas& atlas, const LampBlock& lamps) {
     return units;
 }
 
+LitTexel lit_texel(const LampBlock& lamps, const Lanes& units, std::size_t texel) {
+    LitTexel lit;
+    for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
+        const DirectLight& direct = (*lamps.direct[lamp])[texel];
+        const double color = lamp_color(*lamps.lights[lamp]).maxCoeff();
+        if (!(color > 0) || !(direct.irradiance > 0).any()) continue;
+        const auto irradiance = float(double(direct.irradiance.maxCoeff()) / color);
+        lit.irradiance[lamp] = irradiance / units[lamp];
+        lit.over_cosine[lamp] = lit.irradiance[lamp] / std::max(direct.cos_i, float(kCosineFloor));
+    }
+    return lit;
+}
+
 std::vector<LitTexel> lit_texels(const TexelAtlas& atlas,
                                  const LampBlock& lamps,
                                  const Lanes& units) {
     std::vector<LitTexel> lit(atlas.texels.size());
-    parallel_for(lit.size(), [&](std::size_t i) {
-        for (std::size_t lamp = 0; lamp < lamps.size(); ++lamp) {
-            const DirectLight& direct = (*lamps.direct[lamp])[i];
-            const double color = lamp_color(*lamps.lights[lamp]).maxCoeff();
-            if (!(color > 0) || !(direct.irradiance > 0).any()) continue;
-            const auto irradiance = float(double(direct.irradiance.maxCoeff()) / color);
-            lit[i].irradiance[lamp] = irradiance / units[lamp];
-            lit[i].over_cosine[lamp] =
-                lit[i].irradiance[lamp] / std::max(direct.cos_i, float(kCosineFloor));
-        }
-    });
+    parallel_for(lit.size(), [&](std::size_t i) { lit[i] = lit_texel(lamps, units, i); });
     return lit;
 }
 

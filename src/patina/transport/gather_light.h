@@ -54,6 +54,9 @@ struct TurningHit {
     CompactLanes theta_squared{};  // see StandingHit
 };
 
+// What the lamps send to one texel when the scanner stands at its column.
+[[nodiscard]] LitTexel lit_texel(const LampBlock& lamps, const Lanes& units, std::size_t texel);
+
 // One entry per texel of the atlas.
 [[nodiscard]] std::vector<LitTexel> lit_texels(const TexelAtlas& atlas,
                                                const LampBlock& lamps,

@@ -10,9 +10,6 @@
 namespace patina {
 namespace {
 
-// Lobes with less albedo than this send no image of a lamp worth the sum.
-constexpr double kNegligibleLobe = 1e-5;
-
 // Hits that count for less than this even in a lobe twice as wide are left out [-].
 constexpr float kNegligibleWeight = 0.01f;
 
@@ -82,6 +79,7 @@ template <typename Row, typename Hit>
 GatheredHalves gathered(const GatherRows& rows,
                         const LightSources<Row, Hit>& sources,
                         const LargeVector<float>& precision,
+                        const GlossySources& glossy,
                         std::size_t texel) {
     GatheredHalves halves{};
     std::size_t k = rows.begin[texel];
@@ -97,6 +95,18 @@ GatheredHalves gathered(const GatherRows& rows,
             for (std::size_t c = 0; c < 3; ++c) sum[c] += 2 * hit.weight * radiance[c];
         }
         halves[half] = sum;
+    }
+    if (glossy.onward.empty()) return halves;
+    const GatherHit* hits = rows.hits.data() + rows.begin[texel];
+    const auto add = [&](std::size_t number, float gain, const Radiance& radiance) {
+        Radiance& sum = halves[hits[number].half];
+        const float weight = 2 * hits[number].weight * gain;
+        for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * radiance[c];
+    };
+    const GlossyHit* last = rows.glossy.data() + rows.glossy_begin[texel + 1];
+    for (const GlossyHit* first = rows.glossy.data() + rows.glossy_begin[texel]; first < last;
+         first += kLanes) {
+        add_glossy(glossy, hits, first, std::min(first + kLanes, last), add);
     }
     return halves;
 }
@@ -159,59 +169,59 @@ LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
                                        const LightSources<Row, Hit>& sources,
                                        const LargeVector<Hit>& hits,
                                        const RadiantTexels& texels,
+                                       const GlossySources& glossy,
                                        TexelId texel,
                                        const Vec3f& mirror,
                                        float variance) {
     LampBlockLight::LobeLanes sums;
     const LargeVector<float>& precision = texels.minus_half_precision();
+    const std::size_t begin = rows.begin[texel];
     const std::size_t end = rows.begin[texel + 1];
-    for (std::size_t first = rows.begin[texel]; first < end; first += kLanes) {
+    const GlossyHit* onward = rows.glossy.data() + rows.glossy_begin[texel];
+    const GlossyHit* last_onward =
+        glossy.onward.empty() ? onward : rows.glossy.data() + rows.glossy_begin[texel + 1];
+    for (std::size_t first = begin; first < end; first += kLanes) {
         const std::size_t count = std::min(kLanes, end - first);
         const LobeWeights weights =
             lobe_weights(&rows.hits[first], count, texels[texel].normal, mirror, variance);
+        const auto add = [&](std::size_t l, float gain, const Radiance& radiance) {
+            const float twice = gain * weights.twice_weight[l];
+            const float same = gain * weights.same_weight[l];
+            const float half = gain * weights.half_weight[l];
+            for (std::size_t c = 0; c < 3; ++c) {
+                sums.twice[c] += twice * radiance[c];
+                sums.same[c] += same * radiance[c];
+                sums.half[c] += half * radiance[c];
+            }
+        };
         for (std::size_t l = 0; l < count; ++l) {
             const std::size_t k = first + l;
             expect(sources.texels, precision, rows, k + kAhead);
             if (weights.twice[l] < kNegligibleWeight) continue;
             const GatherHit& hit = rows.hits[k];
-            const Radiance radiance =
-                radiance_of(sources.texels[hit.to], hits[k], precision[hit.to]);
-            for (std::size_t c = 0; c < 3; ++c) {
-                sums.twice[c] += weights.twice_weight[l] * radiance[c];
-                sums.same[c] += weights.same_weight[l] * radiance[c];
-                sums.half[c] += weights.half_weight[l] * radiance[c];
+            add(l, 1.0f, radiance_of(sources.texels[hit.to], hits[k], precision[hit.to]));
+        }
+        while (onward < last_onward && begin + onward->hit < first + count) {
+            const GlossyHit* next = onward;
+            while (next < last_onward && next < onward + kLanes &&
+                   begin + next->hit < first + count) {
+                ++next;
             }
+            add_glossy(glossy,
+                       &rows.hits[begin],
+                       onward,
+                       next,
+                       [&](std::size_t number, float gain, const Radiance& radiance) {
+                           const std::size_t l = begin + number - first;
+                           if (weights.twice[l] >= kNegligibleWeight) add(l, gain, radiance);
+                       });
+            onward = next;
         }
     }
     return sums;
 }
 
 }  // namespace
-
-RadiantTexels::RadiantTexels(const TexelAtlas& atlas,
-                             std::span<const Reflectance> maps,
-                             bool with_specular,
-                             std::span<const float> left_out)
-    : materials_(atlas.texels.size()), precision_(atlas.texels.size()) {
-    PATINA_CHECK_EQ(maps.size(), atlas.texels.size());
-    PATINA_CHECK(left_out.empty() || left_out.size() == maps.size());
-    // A mean over directions weighted by their cosine is reached near cos_i = 2/3.
-    constexpr double kMeanCosine = 2.0 / 3;
-    parallel_for(materials_.size(), [&](std::size_t i) {
-        const Reflectance& map = maps[i];
-        Material& material = materials_[i];
-        material.normal = atlas.texels[i].point.normal.cast<float>();
-        material.diffuse = (map.diffuse / kPi).cast<float>();
-        material.onward = material.diffuse;
-        if (!with_specular) return;
-        const double albedo = map.specular * lobe_albedo(kMeanCosine, map.roughness);
-        material.onward += float(albedo / kPi);
-        const double kept = left_out.empty() ? 1.0 : 1 - double(left_out[i]);
-        if (albedo * kept < kNegligibleLobe) return;
-        material.specular = float(kept * map.specular / kPi);
-        precision_[i] = float(-0.5 / square(map.roughness));
-    });
-}
 
 LampBlockLight::LampBlockLight(const Surface& surface,
                                const TexelAtlas& atlas,
@@ -261,24 +271,33 @@ void LampBlockLight::end_sweep() {
     has_hits_ = false;
 }
 
-void LampBlockLight::light_texels(const RadiantTexels& texels) {
+void LampBlockLight::light_texels(const RadiantTexels& texels, LargeVector<OnwardRow>& onward) {
+    // Before the first sweep there is no indirect light that lobes could send on.
+    onward.resize(has_bounced_ ? indirect_.size() : 0);
     parallel_for(indirect_.size(), [&](std::size_t i) {
         const RadiantTexels::Material& material = texels[TexelId(i)];
-        Radiance radiance = indirect_[i];
-        for (std::size_t c = 0; c < 3; ++c) radiance[c] *= material.onward[Eigen::Index(c)];
+        const LitTexel lit = turning_ ? lit_texel(lamps_, units_, i) : lit_[i];
+        Radiance diffuse;
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes all = indirect_[i][c] + lit.irradiance;
+            if (has_bounced_) {
+                onward[i].radiance[c] = to_compact(material.onward[Eigen::Index(c)] * all);
+            }
+            diffuse[c] = material.diffuse[Eigen::Index(c)] * (turning_ ? indirect_[i][c] : all);
+        }
+        const auto fill = [&](auto& row) {
+            for (std::size_t c = 0; c < 3; ++c) row.radiance[c] = to_compact(diffuse[c]);
+        };
         if (turning_) {
             TurningRow& row = turning_sources_.texels[i];
             row.diffuse = material.diffuse;
             row.specular = material.specular;
-            for (std::size_t c = 0; c < 3; ++c) row.radiance[c] = to_compact(radiance[c]);
+            fill(row);
             return;
         }
         StandingRow& row = standing_.texels[i];
-        for (std::size_t c = 0; c < 3; ++c) {
-            const float diffuse = material.diffuse[Eigen::Index(c)];
-            row.radiance[c] = to_compact(radiance[c] + diffuse * lit_[i].irradiance);
-        }
-        row.image = to_compact(material.specular * lit_[i].over_cosine);
+        fill(row);
+        row.image = to_compact(material.specular * lit.over_cosine);
     });
 }
 
@@ -288,13 +307,15 @@ void LampBlockLight::sweep(const GatherGraph& graph,
                            SweptLight& swept) {
     const std::size_t num_texels = indirect_.size();
     if (!has_hits_) light_hits(graph);
-    light_texels(texels);
+    light_texels(texels, swept.onward);
+    has_bounced_ = true;
+    const GlossySources glossy{texels.lobes(), swept.onward};
     swept.unfiltered.resize(num_texels);
     for (IndirectLanes& half : swept.halves) half.resize(num_texels);
     const auto gather = [&](const auto& sources) {
         parallel_for(num_texels, [&](std::size_t i) {
             swept.unfiltered[i] =
-                gathered(graph.irradiance, sources, texels.minus_half_precision(), i);
+                gathered(graph.irradiance, sources, texels.minus_half_precision(), glossy, i);
         });
     };
     turning_ ? gather(turning_sources_) : gather(standing_);
@@ -321,11 +342,15 @@ void LampBlockLight::add(std::span<const std::array<Lanes, 2>> irradiance, Swept
     });
 }
 
-void LampBlockLight::restart() { indirect_.assign(indirect_.size(), {}); }
+void LampBlockLight::restart() {
+    indirect_.assign(indirect_.size(), {});
+    has_bounced_ = false;
+}
 
 LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
                                                std::size_t view,
                                                const RadiantTexels& texels,
+                                               const SweptLight& swept,
                                                TexelId texel,
                                                const Vec3f& w_v,
                                                double roughness) const {
@@ -334,9 +359,16 @@ LampBlockLight::LobeLanes LampBlockLight::lobe(const GatherGraph& graph,
     if (!(cos_v > 0)) return {};
     const Vec3f mirror = 2 * cos_v * normal - w_v;
     const auto variance = float(square(roughness));
+    const GlossySources glossy{texels.lobes(), swept.onward};
     const auto sums_over = [&](const auto& sources) {
-        return through_lobe(
-            graph.lobes[view], sources, sources.lobes[view], texels, texel, mirror, variance);
+        return through_lobe(graph.lobes[view],
+                            sources,
+                            sources.lobes[view],
+                            texels,
+                            glossy,
+                            texel,
+                            mirror,
+                            variance);
     };
     LobeLanes sums = turning_ ? sums_over(turning_sources_) : sums_over(standing_);
     const float scale = 1 / (std::max(cos_v, float(kCosineFloor)) * variance);

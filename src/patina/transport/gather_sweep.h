@@ -1,17 +1,20 @@
 // One sweep of light over the gather graph: from the light that every texel now sends out, the
 // light that arrives at every texel after one more bounce.
 //
-//     H_ind(x) <- sum_k weight_k L(y_k, x),   L = [Pd (E + H_ind) + Ps A H_ind] / pi + f_s E
+//     H_ind(x) <- sum_k weight_k L(y_k, x),   L = Pd (E + H_ind) / pi + f_s E + f_s * L_z
 //
-// f_s E is the lobe's image of the lamp, evaluated exactly; what the lobe sends on of indirect
-// light is spread evenly (Ps A, A the lobe's directional albedo averaged over the hemisphere).
-// Sweeps repeated under fixed maps converge to the full solution; docs/theory.md, "The gather
-// graph". Under lamps that turn with the scanner, H_ind(y) is that of y's own azimuth: exact for
-// the first bounce, and for later ones as far as H_ind changes little between columns that see each
-// other.
+// f_s E is the lobe's image of the lamp, evaluated exactly; f_s * L_z is what the lobe sends on of
+// the light of other texels z, over the second rays of the graph (glossy_sweep.h), for which z's
+// own light is spread evenly: L_z = (Pd + Ps A) (E + H_ind) / pi, A the directional albedo of z's
+// lobe averaged over the hemisphere. Sweeps repeated under fixed maps converge to the full
+// solution; docs/theory.md, "The gather graph". Under lamps that turn with the scanner, H_ind(y)
+// and L_z are those of y's and z's own azimuth: exact for the first bounce, and for later ones as
+// far as they change little between columns that see each other.
 #pragma once
 
 #include "patina/transport/gather_light.h"
+#include "patina/transport/glossy_sweep.h"
+#include "patina/transport/radiant_texels.h"
 #include "patina/transport/surface_filter.h"
 
 #include <span>
@@ -26,32 +29,7 @@ using IndirectLanes = LargeVector<std::array<Lanes, 3>>;
 struct SweptLight {
     std::array<IndirectLanes, 2> halves;  // of the two independent halves of the rays, filtered
     LargeVector<std::array<std::array<Lanes, 3>, 2>> unfiltered;  // the same before the filter
-};
-
-// The maps as a sweep reads them.
-class RadiantTexels {
-  public:
-    // left_out: per texel, the share of the images of lamps in its lobe that reaches others in
-    // another way, in [0, 1]; empty: none.
-    RadiantTexels(const TexelAtlas& atlas,
-                  std::span<const Reflectance> maps,
-                  bool with_specular,
-                  std::span<const float> left_out = {});
-
-    struct Material {
-        Vec3f normal = Vec3f::UnitZ();
-        Rgbf diffuse = Rgbf::Zero();  // Pd / pi [1/sr]
-        float specular = 0;           // Ps / pi, but for what is left out [1/sr]
-        Rgbf onward = Rgbf::Zero();   // (Pd + Ps A) / pi, for indirect light [1/sr]
-    };
-    [[nodiscard]] const Material& operator[](TexelId texel) const { return materials_[texel]; }
-    // -1 / (2 sigma^2) of every texel; 0 where its lobe sends no image of a lamp [1/rad^2]. By
-    // itself, as every hit reads it and all of it fits into a cache.
-    [[nodiscard]] const LargeVector<float>& minus_half_precision() const { return precision_; }
-
-  private:
-    std::vector<Material> materials_;
-    LargeVector<float> precision_;
+    LargeVector<OnwardRow> onward;  // what second rays met; empty for the first sweep
 };
 
 // What a hit reads of the texel that it meets, in one line of memory: the radiance that the texel
@@ -105,14 +83,15 @@ class LampBlockLight {
     void restart();
 
     // Indirect light seen through the lobe of `texel` from one camera view, for three widths of it
-    // (IndirectLobe), of the light of the last sweep but for the bounce towards the texel. Not
-    // between end_sweep() and the next sweep.
+    // (IndirectLobe), of the light of the last sweep but for the bounce towards the texel. swept:
+    // as that sweep left it. Not between end_sweep() and the next sweep.
     struct LobeLanes {
         std::array<Lanes, 3> half{}, same{}, twice{};
     };
     [[nodiscard]] LobeLanes lobe(const GatherGraph& graph,
                                  std::size_t view,
                                  const RadiantTexels& texels,
+                                 const SweptLight& swept,
                                  TexelId texel,
                                  const Vec3f& w_v,
                                  double roughness) const;
@@ -121,7 +100,7 @@ class LampBlockLight {
 
   private:
     void light_hits(const GatherGraph& graph);
-    void light_texels(const RadiantTexels& texels);
+    void light_texels(const RadiantTexels& texels, LargeVector<OnwardRow>& onward);
 
     Surface surface_;
     const TexelAtlas& atlas_;
@@ -130,6 +109,7 @@ class LampBlockLight {
     bool turning_;
     bool keeps_hits_;
     bool has_hits_ = false;
+    bool has_bounced_ = false;                              // a sweep has been made
     std::vector<LitTexel> lit_;                             // standing lamps
     LightSources<StandingRow, StandingHit> standing_;       // empty if they turn
     LightSources<TurningRow, TurningHit> turning_sources_;  // empty if they stand

@@ -1,0 +1,242 @@
+#include "patina/transport/gather_rays.h"
+
+#include "patina/math/lanes.h"
+#include "patina/transport/lane_directions.h"
+
+#include <algorithm>
+#include <array>
+#include <limits>
+
+namespace patina {
+namespace {
+
+// One lobe ray in so many is drawn over the whole hemisphere, so that no weight is unbounded where
+// a lobe is wider than the one that the rays are drawn from.
+constexpr int kDefensiveShare = 4;
+// One first ray in so many goes on: what lobes send on is a small part of the light.
+constexpr int kOnwardShare = 2;
+// Those that go on are drawn by turns over the hemisphere and from lobes of these widths [rad], in
+// one mixture: a narrow lobe finds enough of them, and no weight is unbounded in a wide one.
+constexpr std::array<float, 3> kOnwardSpreads = {0.25f, 0.1f, 0.1f};
+
+constexpr float kFloor = float(kCosineFloor);
+constexpr float kInversePi = float(1 / kPi);
+
+// Streams of random numbers for each texel, and the pairs of dimensions of one ray.
+enum class Stream : std::uint64_t { probe = 0, irradiance = 1, first_view = 2 };
+constexpr std::uint32_t kFirstPair = 1;
+constexpr std::uint32_t kOnwardPair = 2;
+
+// Consecutive points of the sequence are stratified among themselves, so each half is.
+std::uint32_t half_of(int ray, int num_rays) { return ray < num_rays / 2 ? 0u : 1u; }
+
+float dot(const Lane3& a, const Lane3& b, std::size_t i) {
+    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
+}
+
+float chord_squared(const Lane3& a, const Lane3& b, std::size_t i) {
+    const float dx = a.x[i] - b.x[i], dy = a.y[i] - b.y[i], dz = a.z[i] - b.z[i];
+    return dx * dx + dy * dy + dz * dz;
+}
+
+void fill(Lane3& lane, std::size_t size, const Vec3f& value) {
+    std::fill_n(lane.x.begin(), size, value.x());
+    std::fill_n(lane.y.begin(), size, value.y());
+    std::fill_n(lane.z.begin(), size, value.z());
+}
+
+}  // namespace
+
+// --- Rays on their way -------------------------------------------------------------------------
+
+void GatherRays::Rays::draw() {
+    for (std::size_t i = 0; i < size; ++i) {
+        const float kappa = concentration[i];
+        const bool is_lobe = kappa > 0;
+        const auto [x, y, z] = lane_direction(
+            is_lobe, {axis.x[i], axis.y[i], axis.z[i]}, is_lobe ? kappa : 1.0f, u[i], v[i]);
+        w.x[i] = x;
+        w.y[i] = y;
+        w.z[i] = z;
+    }
+}
+
+void GatherRays::send(Rays& rays) const {
+    const std::size_t size = rays.size;
+    surface_.tracer->intersect_lanes(
+        {rays.origin.first(size), rays.w.first(size), std::span(rays.active).first(size)},
+        {std::span(rays.triangle).first(size), rays.hit_u, rays.hit_v});
+}
+
+GatherRays::Met GatherRays::meet(const Rays& rays, std::size_t lane, Front& front) const {
+    const std::uint32_t triangle = rays.triangle[lane];
+    if (triangle == kNoTriangle) return Met::nothing;
+    const Vec2f barycentric(rays.hit_u[lane], rays.hit_v[lane]);
+    const Vec3 w = rays.w.at(lane).cast<double>();
+    front.point = surface_point(*surface_.mesh, triangle, barycentric);
+    if (front.point.geometric_normal.dot(w) >= 0) return Met::back;
+    if (!faces(front.point, -w)) return Met::nothing;
+    front.texel = atlas_.lookup(*surface_.mesh, triangle, barycentric);
+    return Met::front;
+}
+
+// --- First rays --------------------------------------------------------------------------------
+
+// Rays `begin` to begin + count of the texel, about its normal; concentrations are the caller's.
+void GatherRays::start(std::size_t texel, std::uint64_t stream, int begin, int count) {
+    const SurfacePoint& point = atlas_.texels[texel].point;
+    first_.size = std::size_t(count);
+    const std::uint32_t element =
+        sobol_element_hash(options_.seed, Pass::gather, stream * atlas_.texels.size() + texel);
+    const SobolScramble scramble = sobol_scramble(element, kFirstPair);
+    onward_scramble_ = sobol_scramble(element, kOnwardPair);
+    for (std::size_t i = 0; i < first_.size; ++i) {
+        const auto numbers = sobol_pair(scramble, std::uint32_t(begin) + std::uint32_t(i));
+        first_.u[i] = unit_from_bits(numbers[0]);
+        first_.v[i] = unit_from_bits(numbers[1]);
+    }
+    fill(first_.axis, first_.size, point.normal.cast<float>());
+    fill(first_.origin,
+         first_.size,
+         surface_.tracer->offset(point, point.geometric_normal).cast<float>());
+}
+
+// Those that leave to the back of the texel stay.
+void GatherRays::draw_first(std::size_t texel) {
+    first_.draw();
+    const Vec3f normal = atlas_.texels[texel].point.normal.cast<float>();
+    const Vec3f geometric = atlas_.texels[texel].point.geometric_normal.cast<float>();
+    for (std::size_t i = 0; i < first_.size; ++i) {
+        const float x = first_.w.x[i], y = first_.w.y[i], z = first_.w.z[i];
+        const float cosine = normal.x() * x + normal.y() * y + normal.z() * z;
+        const float departing = geometric.x() * x + geometric.y() * y + geometric.z() * z;
+        first_.cosine[i] = cosine;
+        first_.active[i] = -(std::int32_t(cosine > 0) & std::int32_t(departing > 0));
+    }
+}
+
+bool GatherRays::probe_hits(std::size_t texel) {
+    start(texel, std::uint64_t(Stream::probe), 0, kProbeRays);
+    std::fill_n(first_.concentration.begin(), kProbeRays, 0.0f);
+    draw_first(texel);
+    std::array<float, kProbeRays> far;
+    far.fill(std::numeric_limits<float>::infinity());
+    std::array<std::int32_t, kProbeRays> lit;
+    const auto active = std::span(first_.active).first(kProbeRays);
+    surface_.tracer->lit_lanes(
+        {first_.origin.first(kProbeRays), first_.w.first(kProbeRays), active}, far, lit);
+    return !std::equal(lit.begin(), lit.end(), active.begin());
+}
+
+int GatherRays::trace_irradiance(std::size_t texel, TracedRow row) {
+    int num_backs = 0;
+    for (int begin = 0; begin < options_.rays; begin += int(kWaveSize)) {
+        const int count = std::min(int(kWaveSize), options_.rays - begin);
+        start(texel, std::uint64_t(Stream::irradiance), begin, count);
+        std::fill_n(first_.concentration.begin(), count, 0.0f);
+        draw_first(texel);
+        std::fill_n(first_.weight.begin(), count, float(kPi / options_.rays));
+        num_backs += follow(begin, options_.rays, row);
+    }
+    return num_backs;
+}
+
+void GatherRays::trace_lobe(std::size_t texel, std::size_t view, const Vec3f& w_v, TracedRow row) {
+    const Vec3f normal = atlas_.texels[texel].point.normal.cast<float>();
+    const float cos_v = normal.dot(w_v);
+    if (!(cos_v > 0)) return;
+    const Vec3f mirror = 2 * cos_v * normal - w_v;
+    const auto concentration = float(1 / square(options_.lobe_spread));
+    for (int begin = 0; begin < options_.lobe_rays; begin += int(kWaveSize)) {
+        const int count = std::min(int(kWaveSize), options_.lobe_rays - begin);
+        start(texel, std::uint64_t(Stream::first_view) + view, begin, count);
+        for (std::size_t i = 0; i < first_.size; ++i) {
+            const bool is_defensive = (std::size_t(begin) + i) % kDefensiveShare == 0;
+            first_.concentration[i] = is_defensive ? 0.0f : concentration;
+            if (!is_defensive) first_.axis.set(i, mirror);
+        }
+        draw_first(texel);
+        for (std::size_t i = 0; i < first_.size; ++i) {
+            const float dx = mirror.x() - first_.w.x[i];
+            const float dy = mirror.y() - first_.w.y[i];
+            const float dz = mirror.z() - first_.w.z[i];
+            const float lobe = lane_lobe_density(concentration, dx * dx + dy * dy + dz * dz);
+            const float density =
+                (first_.cosine[i] * kInversePi + (kDefensiveShare - 1) * lobe) / kDefensiveShare;
+            first_.weight[i] = first_.cosine[i] / (density * float(options_.lobe_rays));
+        }
+        static_cast<void>(follow(begin, options_.lobe_rays, row));
+    }
+}
+
+// Returns how many met a back.
+int GatherRays::follow(int begin, int num_rays, TracedRow row) {
+    send(first_);
+    second_.size = 0;
+    int num_backs = 0;
+    Front front;
+    for (std::size_t i = 0; i < first_.size; ++i) {
+        const Met met = meet(first_, i, front);
+        num_backs += met == Met::back ? 1 : 0;
+        if (met != Met::front || front.texel == kNoTexel) continue;
+        const int number = begin + int(i);
+        const Vec3f w = first_.w.at(i);
+        row.hits.push_back({front.texel, w, first_.weight[i], half_of(number, num_rays)});
+        if (number % kOnwardShare == 0) start_onward(front.point, w, number, row);
+    }
+    follow_onward(row);
+    return num_backs;
+}
+
+// --- Second rays -------------------------------------------------------------------------------
+
+// From where the last hit of the row is.
+void GatherRays::start_onward(const SurfacePoint& point,
+                              const Vec3f& w,
+                              int number,
+                              TracedRow row) {
+    const std::size_t i = second_.size++;
+    const auto numbers = sobol_pair(onward_scramble_, std::uint32_t(number));
+    second_.u[i] = unit_from_bits(numbers[0]);
+    second_.v[i] = unit_from_bits(numbers[1]);
+    const Vec3f normal = point.normal.cast<float>();
+    second_.cos_o[i] = -normal.dot(w);
+    second_.normal.set(i, normal);
+    second_.geometric_normal.set(i, point.geometric_normal.cast<float>());
+    second_.mirror.set(i, w + 2 * second_.cos_o[i] * normal);
+    const std::size_t lobe = std::size_t(number / kOnwardShare) % (kOnwardSpreads.size() + 1);
+    second_.axis.set(i, lobe == 0 ? normal : second_.mirror.at(i));
+    second_.concentration[i] = lobe == 0 ? 0.0f : 1 / square(kOnwardSpreads[lobe - 1]);
+    second_.origin.set(i, surface_.tracer->offset(point, point.geometric_normal).cast<float>());
+    second_.hit[i] = std::uint32_t(row.hits.size() - 1 - row.first);
+}
+
+void GatherRays::follow_onward(TracedRow row) {
+    second_.draw();
+    for (std::size_t i = 0; i < second_.size; ++i) {
+        const float cos_i = dot(second_.normal, second_.w, i);
+        const float departing = dot(second_.geometric_normal, second_.w, i);
+        second_.cosine[i] = cos_i;
+        second_.active[i] = -(std::int32_t(cos_i > 0) & std::int32_t(departing > 0));
+    }
+    send(second_);
+    Front front;
+    for (std::size_t i = 0; i < second_.size; ++i) {
+        if (meet(second_, i, front) != Met::front || front.texel == kNoTexel) continue;
+        const float chord = chord_squared(second_.w, second_.mirror, i);
+        const float cos_i = second_.cosine[i];
+        float density = cos_i * kInversePi;
+        for (const float spread : kOnwardSpreads) {
+            density += lane_lobe_density(1 / square(spread), chord);
+        }
+        density /= float(kOnwardSpreads.size() + 1);
+        GlossyHit& glossy = row.glossy.emplace_back();
+        glossy.to = front.texel;
+        glossy.hit = std::uint16_t(second_.hit[i]);
+        glossy.theta_squared = to_compact(square(angle_of_chord_squared(chord)));
+        glossy.weight = float(kOnwardShare) * cos_i /
+                        (std::max(cos_i, kFloor) * std::max(second_.cos_o[i], kFloor) * density);
+    }
+}
+
+}  // namespace patina
