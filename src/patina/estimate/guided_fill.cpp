@@ -122,16 +122,23 @@ std::vector<double> GuidedFill::trend(std::span<const float> confidence,
     // Colours on a grid finer than the kernel are looked up once.
     std::vector<std::uint64_t> keys(values.size());
     parallel_for(keys.size(), [&](std::size_t i) { keys[i] = cell_key(cell_of(color_[i])); });
-    std::unordered_map<std::uint64_t, double> trend_of_cell;
+    std::unordered_map<std::uint64_t, std::size_t> number_of_cell;
+    std::vector<std::size_t> first_of_cell;
     for (std::size_t i = 0; i < values.size(); ++i) {
-        const auto [entry, is_new] = trend_of_cell.try_emplace(keys[i], 0.0);
-        if (is_new) {
-            const Cell cell = cell_of(color_[i]);
-            const Vec3 middle(0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5));
-            entry->second = mean + share * (kernel_mean(samples, middle, mean) - mean);
+        if (number_of_cell.try_emplace(keys[i], first_of_cell.size()).second) {
+            first_of_cell.push_back(i);
         }
-        result[i] = entry->second;
     }
+    std::vector<double> trend_of_cell(first_of_cell.size());
+    const auto find_trend = [&](std::size_t number) {
+        const Cell cell = cell_of(color_[first_of_cell[number]]);
+        const Vec3 middle(0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5));
+        trend_of_cell[number] = mean + share * (kernel_mean(samples, middle, mean) - mean);
+    };
+    parallel_for(trend_of_cell.size(), find_trend, 8);
+    parallel_for(result.size(), [&](std::size_t i) {
+        result[i] = trend_of_cell[number_of_cell.find(keys[i])->second];
+    });
     return result;
 }
 

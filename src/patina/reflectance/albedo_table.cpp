@@ -1,5 +1,6 @@
 #include "patina/reflectance/albedo_table.h"
 
+#include "patina/base/parallel.h"
 #include "patina/math/types.h"
 #include "patina/reflectance/lobe.h"
 
@@ -134,13 +135,14 @@ double relative_albedo_by_quadrature(double elevation, double roughness) {
 
 AlbedoTable::AlbedoTable()
     : values_(std::size_t{kNumElevations} * kNumRoughnesses), maximum_(kNumRoughnesses) {
-    for (int row = 0; row < kNumRoughnesses; ++row) {
-        double* values = &values_[static_cast<std::size_t>(row) * kNumElevations];
+    const auto fill_row = [this](std::size_t row) {
+        double* values = &values_[row * kNumElevations];
         for (int i = 0; i < kNumElevations; ++i) {
-            values[i] = relative_albedo_by_quadrature(i * kElevationStep, roughness_at(row));
+            values[i] = relative_albedo_by_quadrature(i * kElevationStep, roughness_at(int(row)));
         }
-        maximum_[static_cast<std::size_t>(row)] = largest_of_row(values);
-    }
+        maximum_[row] = largest_of_row(values);
+    };
+    parallel_for(kNumRoughnesses, fill_row, 1);
 }
 
 double AlbedoTable::relative(double cos_i, double roughness) const {

@@ -1,5 +1,6 @@
 #include "patina/scene/atlas.h"
 
+#include "patina/scene/atlas_cells.h"
 #include "patina/scene/range_image.h"
 
 #include <algorithm>
@@ -92,106 +93,6 @@ std::vector<std::uint32_t> find_charts(const Mesh& mesh) {
                         .first->second;
     }
     return charts;
-}
-
-// --- Cells ------------------------------------------------------------------------------------
-
-// A triangle in cell coordinates: x = u W to the right, y = (1 - v) H down.
-using CellTriangle = std::array<Vec2, 3>;
-
-CellTriangle cell_triangle(const Mesh& mesh, std::uint32_t triangle, int width, int height) {
-    CellTriangle corners;
-    for (std::size_t i = 0; i < 3; ++i) {
-        const Vec2f& uv = mesh.uvs[mesh.triangles[triangle][i]];
-        corners[i] = {double(uv.x()) * width, (1.0 - double(uv.y())) * height};
-    }
-    return corners;
-}
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double doubled_signed_area(const CellTriangle& t) { return cross(t[1] - t[0], t[2] - t[0]); }
-
-// A convex polygon of at most 3 + 4 corners: a triangle cut by the sides of a square.
-struct SmallPolygon {
-    std::array<Vec2, 8> corners;
-    int size = 0;
-};
-
-// Keeps the part where sign * (coordinate - limit) <= 0 (Sutherland and Hodgman, 1974).
-SmallPolygon clip(const SmallPolygon& polygon, int axis, double limit, double sign) {
-    SmallPolygon result;
-    for (int i = 0; i < polygon.size; ++i) {
-        const Vec2& a = polygon.corners[std::size_t(i)];
-        const Vec2& b = polygon.corners[std::size_t((i + 1) % polygon.size)];
-        const double da = sign * (a[axis] - limit);
-        const double db = sign * (b[axis] - limit);
-        if (da <= 0) result.corners[std::size_t(result.size++)] = a;
-        if ((da < 0 && db > 0) || (da > 0 && db < 0)) {
-            result.corners[std::size_t(result.size++)] = a + (b - a) * (da / (da - db));
-        }
-    }
-    return result;
-}
-
-// Area of the part of a triangle inside the unit cell whose low corner is (column, row).
-double overlap_area(const CellTriangle& t, int column, int row) {
-    SmallPolygon polygon;
-    polygon.size = 3;
-    std::copy(t.begin(), t.end(), polygon.corners.begin());
-    polygon = clip(polygon, 0, column, -1);
-    polygon = clip(polygon, 0, column + 1, 1);
-    polygon = clip(polygon, 1, row, -1);
-    polygon = clip(polygon, 1, row + 1, 1);
-    double doubled = 0;
-    for (int i = 2; i < polygon.size; ++i) {
-        doubled += cross(polygon.corners[std::size_t(i - 1)] - polygon.corners[0],
-                         polygon.corners[std::size_t(i)] - polygon.corners[0]);
-    }
-    return 0.5 * std::abs(doubled);
-}
-
-// What one cell of the texel domain holds.
-struct Cell {
-    double area = 0;             // of all surface in it [length^2]
-    double largest_overlap = 0;  // of one triangle [cells]
-    std::uint32_t largest_triangle = 0;
-    bool has_center = false;
-    std::uint32_t center_triangle = 0;
-    Vec2f center_barycentric = Vec2f::Zero();
-};
-
-void rasterize_triangle(
-    const Mesh& mesh, std::uint32_t triangle, int width, int height, std::vector<Cell>& cells) {
-    const CellTriangle t = cell_triangle(mesh, triangle, width, height);
-    const double doubled = doubled_signed_area(t);
-    if (doubled == 0) return;
-    const double surface_per_cell = 2 * triangle_area(mesh, triangle) / std::abs(doubled);
-    const auto [low_x, high_x] = std::minmax({t[0].x(), t[1].x(), t[2].x()});
-    const auto [low_y, high_y] = std::minmax({t[0].y(), t[1].y(), t[2].y()});
-    const int first_column = std::clamp(int(std::floor(low_x)), 0, width - 1);
-    const int last_column = std::clamp(int(std::ceil(high_x)) - 1, first_column, width - 1);
-    const int first_row = std::clamp(int(std::floor(low_y)), 0, height - 1);
-    const int last_row = std::clamp(int(std::ceil(high_y)) - 1, first_row, height - 1);
-    for (int row = first_row; row <= last_row; ++row) {
-        for (int column = first_column; column <= last_column; ++column) {
-            Cell& cell = cells[std::size_t(row) * std::size_t(width) + std::size_t(column)];
-            const double overlap = overlap_area(t, column, row);
-            cell.area += overlap * surface_per_cell;
-            if (overlap > cell.largest_overlap) {
-                cell.largest_overlap = overlap;
-                cell.largest_triangle = triangle;
-            }
-            const Vec2 center(column + 0.5, row + 0.5);
-            const double u = cross(center - t[0], t[2] - t[0]) / doubled;
-            const double v = cross(t[1] - t[0], center - t[0]) / doubled;
-            if (!cell.has_center && u >= 0 && v >= 0 && u + v <= 1) {
-                cell.has_center = true;
-                cell.center_triangle = triangle;
-                cell.center_barycentric = Vec2(u, v).cast<float>();
-            }
-        }
-    }
 }
 
 // --- Owners and neighbours --------------------------------------------------------------------
@@ -372,11 +273,7 @@ TexelAtlas build_atlas(const Mesh& mesh, int width, int height) {
     atlas.cell_owner.assign(num_cells, kNoTexel);
     atlas.cell_texel.assign(num_cells, kNoTexel);
 
-    std::vector<Cell> cells(num_cells);
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        rasterize_triangle(mesh, i, width, height, cells);
-    }
-    collect_texels(mesh, cells, find_charts(mesh), atlas);
+    collect_texels(mesh, rasterize_cells(mesh, width, height), find_charts(mesh), atlas);
 
     TexelPairs pairs;
     add_grid_neighbors(atlas, pairs);
