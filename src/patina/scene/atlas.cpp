@@ -174,12 +174,14 @@ struct EdgeUse {
 // Edges that two triangles share in space but not in the texel domain: seams between charts.
 void add_seam_neighbors(const Mesh& mesh, const TexelAtlas& atlas, TexelPairs& pairs) {
     const std::vector<std::uint32_t> welded = weld_by_position(mesh);
-    std::map<std::pair<std::uint32_t, std::uint32_t>, EdgeUse> open_edges;
+    std::unordered_map<std::uint64_t, EdgeUse> open_edges;  // by both its ends
+    open_edges.reserve(2 * mesh.triangles.size());
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         for (int corner = 0; corner < 3; ++corner) {
             const std::uint32_t a = mesh.triangles[i][std::size_t(corner)];
             const std::uint32_t b = mesh.triangles[i][std::size_t((corner + 1) % 3)];
-            const std::pair key = std::minmax(welded[a], welded[b]);
+            const auto [low, high] = std::minmax(welded[a], welded[b]);
+            const std::uint64_t key = std::uint64_t(low) << 32 | high;
             const auto [found, is_new] = open_edges.try_emplace(key, EdgeUse{i, corner});
             if (is_new) continue;
             const EdgeUse other = found->second;
