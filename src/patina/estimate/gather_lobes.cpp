@@ -13,6 +13,7 @@ namespace {
 constexpr double kInformedReach = 3.0;
 constexpr double kLongestStep = 0.5;
 constexpr double kTurnedStep = 0.5;
+constexpr double kGrowth = 1.1;
 // The filling must say how bright a look at that angle is within this factor [log], or there is
 // nothing near enough to start from.
 constexpr double kVaguestFilling = 1.0;
@@ -155,10 +156,20 @@ void GatherIteration::take_informed(const IndirectLight& light,
                 continue;
             }
             step = step.cwiseMax(-kLongestStep).cwiseMin(kLongestStep);
-            // Steps too long would lead to and fro about the lobe sought: back by more than this
-            // share of the last one, only that share is taken.
-            const LogLobe before = fit.informed_step.cast<double>();
-            if (-step.dot(before) > kTurnedStep * before.squaredNorm()) step *= kTurnedStep;
+            // Steps too long would lead to and fro about the lobe sought: of one that leads back
+            // by more than this share of the last, and of later ones, only that share is taken,
+            // and again more from turn to turn while they lead ahead.
+            for (const Eigen::Index k : {0, 1}) {
+                const double before = fit.informed_step[k];
+                double gain = fit.informed_gain[k];
+                if (-gain * step[k] * before > kTurnedStep * square(before)) {
+                    gain *= kTurnedStep;
+                } else if (step[k] * before > 0) {
+                    gain = std::min(1.0, kGrowth * gain);
+                }
+                step[k] *= gain;
+                fit.informed_gain[k] = float(gain);
+            }
             fit.informed_step = step.cast<float>();
             const LogLobe lobe = last + step;
             fit.reflectance.roughness =

@@ -27,6 +27,8 @@ struct TexelFit {
     Eigen::Matrix2f lobe_information = Eigen::Matrix2f::Zero();
     // How an informed lobe moved in the last turn [log].
     Eigen::Vector2f informed_step = Eigen::Vector2f::Zero();
+    // How far it takes the step that the looks ask for [0 to 1].
+    Eigen::Vector2f informed_gain = Eigen::Vector2f::Ones();
     // A measured lobe drawn towards its neighbours', with the Pd that fits it; see drawn_lobe().
     Reflectance drawn;
     // What its neighbours told, see LobePrior::precision; zero where it was not drawn.
