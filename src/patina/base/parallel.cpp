@@ -6,6 +6,7 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
 
 namespace patina {
 
@@ -34,14 +35,17 @@ void parallel_blocks(std::size_t count,
     if (count == 0) return;
     const std::size_t step = std::max<std::size_t>(grain, 1);
     const std::size_t num_blocks = (count + step - 1) / step;
-    oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1),
-                              [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
-                                  for (std::size_t block = range.begin(); block != range.end();
-                                       ++block) {
-                                      throw_if_interrupted();
-                                      body(block * step, std::min(count, (block + 1) * step));
-                                  }
-                              });
+    const auto run = [&](const oneapi::tbb::blocked_range<std::size_t>& range) {
+        for (std::size_t block = range.begin(); block != range.end(); ++block) {
+            throw_if_interrupted();
+            body(block * step, std::min(count, (block + 1) * step));
+        }
+    };
+    // A thread that waits for the end of this loop helps with nothing else: of an outer loop it
+    // might take up what waits for what this loop computes.
+    oneapi::tbb::this_task_arena::isolate([&] {
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1), run);
+    });
 }
 
 }  // namespace patina

@@ -301,7 +301,7 @@ void validate(const EstimateOptions& options) {
     require(options.photons.photons >= 2 && options.photons.photons <= 1'000'000'000,
             "--photons",
             "2 to 1000000000");
-    // Two halves of equal size, each with its share of defensive rays.
+    // See GatherOptions: two halves of equal size, of each of which a half goes on.
     require(options.gather.rays >= 4 && options.gather.rays % 4 == 0,
             "--gather-rays",
             "a multiple of 4");

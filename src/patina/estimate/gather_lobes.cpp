@@ -14,6 +14,7 @@ constexpr double kInformedReach = 3.0;
 constexpr double kLongestStep = 0.5;
 constexpr double kTurnedStep = 0.5;
 constexpr double kGrowth = 1.1;
+constexpr double kLeastGain = 1.0 / 16;
 // The filling must say how bright a look at that angle is within this factor [log], or there is
 // nothing near enough to start from.
 constexpr double kVaguestFilling = 1.0;
@@ -59,12 +60,17 @@ void GatherIteration::choose_informed() {
         TexelFit& fit = fits_[i];
         const double reach = kInformedReach * fit.reflectance.roughness;
         const auto looks = observations_.of(i);
+        const bool was_informed = fit.informed;
         fit.informed = fit.observed && !fit.specular_measured && dropped_[i] == 0 &&
                        lobe_filling_.has_lobe(i) && result_.maps[i].specular > 0 &&
                        std::isfinite(lobe_filling_.spread(i).roughness) &&
                        std::any_of(looks.begin(), looks.end(), [reach](const Observation& look) {
                            return double(look.theta_r) < reach;
                        });
+        if (fit.informed && !was_informed) {
+            fit.informed_step.setZero();
+            fit.informed_gain.setOnes();
+        }
     });
 }
 
@@ -163,7 +169,7 @@ void GatherIteration::take_informed(const IndirectLight& light,
                 const double before = fit.informed_step[k];
                 double gain = fit.informed_gain[k];
                 if (-gain * step[k] * before > kTurnedStep * square(before)) {
-                    gain *= kTurnedStep;
+                    gain = std::max(kLeastGain, kTurnedStep * gain);
                 } else if (step[k] * before > 0) {
                     gain = std::min(1.0, kGrowth * gain);
                 }

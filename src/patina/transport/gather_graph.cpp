@@ -110,7 +110,8 @@ GatherGraph trace_gather_graph(const Surface& surface,
                                std::span<const ViewDirections> views,
                                const GatherOptions& options,
                                Progress& progress) {
-    PATINA_CHECK(options.rays >= 4 && options.lobe_rays >= 4 && options.lobe_spread > 0);
+    PATINA_CHECK(options.rays >= 4 && options.rays % 4 == 0);
+    PATINA_CHECK(options.lobe_rays >= 8 && options.lobe_rays % 8 == 0 && options.lobe_spread > 0);
     PATINA_CHECK(std::max(options.rays, options.lobe_rays) <= kMaxGatherRays);
     const std::size_t num_texels = atlas.texels.size();
     progress.begin_stage("gather graph", num_texels * (1 + views.size()), "texels");

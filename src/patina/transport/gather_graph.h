@@ -19,9 +19,10 @@ namespace patina {
 inline constexpr int kMaxGatherRays = 65'536;
 
 struct GatherOptions {
-    // A power of two from 4 to kMaxGatherRays.
-    int rays = 64;             // per texel over the cosine-weighted hemisphere
-    int lobe_rays = 32;        // per texel and camera that sees it, towards its lobe
+    // Per texel over the cosine-weighted hemisphere: a multiple of 4, up to kMaxGatherRays.
+    int rays = 64;
+    // Per texel and camera that sees it, towards its lobe: a multiple of 8, as many at most.
+    int lobe_rays = 32;
     double lobe_spread = 0.2;  // sigma of the lobe that these rays are drawn from [rad]; > 0
     std::uint64_t seed = 1;    // any
 };
@@ -69,12 +70,12 @@ struct GatherGraph {
     // Per texel: how many irradiance rays hit the back of a surface, over those that hit a front
     // (at least 1). Rays that meet a back have passed through a gap: where a scan saw nothing.
     std::vector<float> backs_over_fronts;
-    std::uint64_t num_rays = 0;  // that were traced
+    std::uint64_t num_rays = 0;  // first ones that were traced
 };
 
 // Raised with every change of the rays or of what is kept of them: saved graphs of other versions
 // are not used.
-inline constexpr std::uint64_t kGatherGraphVersion = 3;
+inline constexpr std::uint64_t kGatherGraphVersion = 4;
 
 // Texels around which a first handful of rays meets nothing count as convex and get no more rays.
 // views: per camera, one direction per texel (unit, towards the camera).

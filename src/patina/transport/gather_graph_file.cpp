@@ -70,7 +70,10 @@ class GraphReader {
             return std::nullopt;
         }
         // Sizes are compared with that of the file before memory is taken for them.
-        if (header.num_views > size_ || header.num_texels > size_) return std::nullopt;
+        if (header.num_views >= size_ / sizeof(RowCounts)) return std::nullopt;
+        const std::uint64_t bytes_of_texel =
+            sizeof(float) + 2 * sizeof(std::uint32_t) * (header.num_views + 1);
+        if (header.num_texels > size_ / bytes_of_texel) return std::nullopt;
         std::vector<RowCounts> counts(header.num_views + 1);
         if (!read_bytes(bytes_of(counts))) return std::nullopt;
         for (const RowCounts& count : counts) {
@@ -117,7 +120,8 @@ class GraphReader {
         std::vector<std::uint32_t> counts(num_texels);
         if (!read_bytes(bytes_of(counts))) return false;
         begin.assign(num_texels + 1, 0);
-        std::partial_sum(counts.begin(), counts.end(), begin.begin() + 1, std::plus<std::size_t>());
+        std::inclusive_scan(
+            counts.begin(), counts.end(), begin.begin() + 1, std::plus<>(), std::size_t(0));
         if (begin.back() != num_hits) return false;
         hits.resize(num_hits);
         return read_bytes(bytes_of(hits));

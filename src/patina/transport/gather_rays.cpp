@@ -13,10 +13,12 @@ namespace {
 // One lobe ray in so many is drawn over the whole hemisphere, so that no weight is unbounded where
 // a lobe is wider than the one that the rays are drawn from.
 constexpr int kDefensiveShare = 4;
-// One first ray in so many goes on: what lobes send on is a small part of the light.
+// One first ray in so many goes on, the first ones of each half: what lobes send on is a small part
+// of the light.
 constexpr int kOnwardShare = 2;
-// Those that go on are drawn by turns over the hemisphere and from lobes of these widths [rad], in
-// one mixture: a narrow lobe finds enough of them, and no weight is unbounded in a wide one.
+// Those that go on are drawn over the hemisphere and from lobes of these widths [rad], in one
+// mixture of equal parts: a narrow lobe finds enough of them, and no weight is unbounded in a wide
+// one.
 constexpr std::array<float, 3> kOnwardSpreads = {0.25f, 0.1f, 0.1f};
 
 constexpr float kFloor = float(kCosineFloor);
@@ -27,8 +29,22 @@ enum class Stream : std::uint64_t { probe = 0, irradiance = 1, first_view = 2 };
 constexpr std::uint32_t kFirstPair = 1;
 constexpr std::uint32_t kOnwardPair = 2;
 
-// Consecutive points of the sequence are stratified among themselves, so each half is.
+// Consecutive points of the sequence are stratified among themselves, so each half is, and what of
+// it goes on.
 std::uint32_t half_of(int ray, int num_rays) { return ray < num_rays / 2 ? 0u : 1u; }
+bool goes_on(int ray, int num_rays) {
+    const int half = num_rays / 2;
+    return ray % half < half / kOnwardShare;
+}
+
+// In which of `count` equal parts of [0, 1) a random number lies; it becomes its place there: one
+// number chooses and is drawn with, and what is stratified stays so.
+std::size_t choose_part(std::size_t count, float& u) {
+    const float scaled = u * float(count);
+    const std::size_t part = std::min(std::size_t(scaled), count - 1);
+    u = scaled - float(part);
+    return part;
+}
 
 float dot(const Lane3& a, const Lane3& b, std::size_t i) {
     return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
@@ -151,7 +167,11 @@ void GatherRays::trace_lobe(std::size_t texel, std::size_t view, const Vec3f& w_
         const int count = std::min(int(kWaveSize), options_.lobe_rays - begin);
         start(texel, std::uint64_t(Stream::first_view) + view, begin, count);
         for (std::size_t i = 0; i < first_.size; ++i) {
-            const bool is_defensive = (std::size_t(begin) + i) % kDefensiveShare == 0;
+            // One number chooses and is drawn with, as in choose_part().
+            float u = first_.u[i] * float(kDefensiveShare);
+            const bool is_defensive = u < 1;
+            if (!is_defensive) u = (u - 1) / float(kDefensiveShare - 1);
+            first_.u[i] = u;
             first_.concentration[i] = is_defensive ? 0.0f : concentration;
             if (!is_defensive) first_.axis.set(i, mirror);
         }
@@ -182,7 +202,7 @@ int GatherRays::follow(int begin, int num_rays, TracedRow row) {
         const int number = begin + int(i);
         const Vec3f w = first_.w.at(i);
         row.hits.push_back({front.texel, w, first_.weight[i], half_of(number, num_rays)});
-        if (number % kOnwardShare == 0) start_onward(front.point, w, number, row);
+        if (goes_on(number, num_rays)) start_onward(front.point, w, number, row);
     }
     follow_onward(row);
     return num_backs;
@@ -204,7 +224,7 @@ void GatherRays::start_onward(const SurfacePoint& point,
     second_.normal.set(i, normal);
     second_.geometric_normal.set(i, point.geometric_normal.cast<float>());
     second_.mirror.set(i, w + 2 * second_.cos_o[i] * normal);
-    const std::size_t lobe = std::size_t(number / kOnwardShare) % (kOnwardSpreads.size() + 1);
+    const std::size_t lobe = choose_part(kOnwardSpreads.size() + 1, second_.u[i]);
     second_.axis.set(i, lobe == 0 ? normal : second_.mirror.at(i));
     second_.concentration[i] = lobe == 0 ? 0.0f : 1 / square(kOnwardSpreads[lobe - 1]);
     second_.origin.set(i, surface_.tracer->offset(point, point.geometric_normal).cast<float>());
