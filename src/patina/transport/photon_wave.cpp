@@ -13,6 +13,9 @@ constexpr float kMaxShadingRatio = 4.0f;
 constexpr float kFloor = float(kCosineFloor);
 constexpr float kInversePi = float(1 / kPi);
 constexpr float kTurn = float(2 * kPi);
+// Records are asked of memory so many hits before they are read: a processor waits for about a
+// dozen lines at a time.
+constexpr std::size_t kHitsAhead = 12;
 
 // Epanechnikov kernel of unit integral [1/rad].
 float azimuth_kernel(float difference, float half_width) {
@@ -55,9 +58,9 @@ void PhotonWave::follow(std::uint64_t first_photon,
         send_rays();
         collect_hits();
         if (turns_with_scanner_ && bounce == 0) drop_unlit();
-        ask_for_triangles();
+        name_hits();
         locate_hits();
-        find_texels();
+        for (std::size_t hit = 0; hit < std::min(kHitsAhead, num_hits_); ++hit) find_texel(hit);
         weigh_directions();
         if (bounce == 0) keep_powers();
         numbers_.draw(++pair,
@@ -67,7 +70,10 @@ void PhotonWave::follow(std::uint64_t first_photon,
                       hit_lanes_.choice,
                       hit_lanes_.roulette);
         lanes_.size = 0;
-        for (std::size_t hit = 0; hit < num_hits_; ++hit) arrive(hit);
+        for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+            if (hit + kHitsAhead < num_hits_) find_texel(hit + kHitsAhead);
+            arrive(hit);
+        }
         if (bounce == 0) num_paths_ = arrivals_.size();
     }
     append_to(block);
@@ -150,18 +156,22 @@ void PhotonWave::drop_unlit() {
     num_hits_ = count;
 }
 
-void PhotonWave::ask_for_triangles() {
+void PhotonWave::name_hits() {
     for (std::size_t hit = 0; hit < num_hits_; ++hit) {
-        const std::size_t lane = hit_lanes_.lane[hit];
-        hit_lanes_.photon[hit] = lanes_.photon[lane];
-        const PhotonTriangle& triangle = scene_.triangle(lanes_.hit_triangle[lane]);
-        prefetch(&triangle.position);
-        prefetch(&triangle.cell_edge2);
+        hit_lanes_.photon[hit] = lanes_.photon[hit_lanes_.lane[hit]];
     }
 }
 
+void PhotonWave::ask_for_triangle(std::size_t hit) const {
+    const PhotonTriangle& triangle = scene_.triangle(lanes_.hit_triangle[hit_lanes_.lane[hit]]);
+    prefetch(&triangle.position);
+    prefetch(&triangle.cell_edge2);
+}
+
 void PhotonWave::locate_hits() {
+    for (std::size_t hit = 0; hit < std::min(kHitsAhead, num_hits_); ++hit) ask_for_triangle(hit);
     for (std::size_t i = 0; i < num_hits_; ++i) {
+        if (i + kHitsAhead < num_hits_) ask_for_triangle(i + kHitsAhead);
         Hit& hit = hits_[i];
         hit.lane = hit_lanes_.lane[i];
         const PhotonTriangle& triangle = scene_.triangle(lanes_.hit_triangle[hit.lane]);
@@ -181,11 +191,10 @@ void PhotonWave::locate_hits() {
     }
 }
 
-void PhotonWave::find_texels() {
-    for (std::size_t i = 0; i < num_hits_; ++i) {
-        hits_[i].texel = scene_.texel_of_cell(hits_[i].cell);
-        if (hits_[i].texel != kNoTexel) prefetch(&scene_.texel(hits_[i].texel));
-    }
+void PhotonWave::find_texel(std::size_t number) {
+    Hit& hit = hits_[number];
+    hit.texel = scene_.texel_of_cell(hit.cell);
+    if (hit.texel != kNoTexel) prefetch(&scene_.texel(hit.texel));
 }
 
 // The density of the directions that hit something, and what weights need to know of them.

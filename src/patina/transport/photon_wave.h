@@ -54,9 +54,10 @@ class PhotonWave {
     void send_rays();
     void collect_hits();
     void drop_unlit();
-    void ask_for_triangles();
+    void name_hits();
+    void ask_for_triangle(std::size_t hit) const;
     void locate_hits();
-    void find_texels();
+    void find_texel(std::size_t number);
     void weigh_directions();
     void keep_powers();
     void arrive(std::size_t hit);
