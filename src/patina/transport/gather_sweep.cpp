@@ -15,7 +15,7 @@ constexpr float kNegligibleWeight = 0.01f;
 
 // The rows of the texels that are hit lie all over memory, so they are asked for this many hits
 // ahead.
-constexpr std::size_t kAhead = 4;
+constexpr std::size_t kAhead = 8;
 
 using Radiance = std::array<Lanes, 3>;
 // Of the two halves of the rays.
@@ -84,10 +84,17 @@ GatheredHalves gathered(const GatherRows& rows,
     GatheredHalves halves{};
     std::size_t k = rows.begin[texel];
     const std::size_t end = rows.begin[texel + 1];
+    const GatherHit* hits = rows.hits.data() + k;
+    const GlossyHit* first_onward = rows.glossy.data() + rows.glossy_begin[texel];
+    const GlossyHit* last_onward = glossy.onward.empty()
+                                       ? first_onward
+                                       : rows.glossy.data() + rows.glossy_begin[texel + 1];
+    const GlossyHit* onward = first_onward;
     for (std::uint32_t half = 0; half < 2; ++half) {
         Radiance sum{};
         for (; k < end && rows.hits[k].half == half; ++k) {
             expect(sources.texels, precision, rows, k + kAhead);
+            if (onward < last_onward) expect_glossy(glossy, hits, *onward++);
             const GatherHit& hit = rows.hits[k];
             const Radiance radiance =
                 radiance_of(sources.texels[hit.to], sources.irradiance[k], precision[hit.to]);
@@ -96,17 +103,13 @@ GatheredHalves gathered(const GatherRows& rows,
         }
         halves[half] = sum;
     }
-    if (glossy.onward.empty()) return halves;
-    const GatherHit* hits = rows.hits.data() + rows.begin[texel];
     const auto add = [&](std::size_t number, float gain, const Radiance& radiance) {
         Radiance& sum = halves[hits[number].half];
         const float weight = 2 * hits[number].weight * gain;
         for (std::size_t c = 0; c < 3; ++c) sum[c] += weight * radiance[c];
     };
-    const GlossyHit* last = rows.glossy.data() + rows.glossy_begin[texel + 1];
-    for (const GlossyHit* first = rows.glossy.data() + rows.glossy_begin[texel]; first < last;
-         first += kLanes) {
-        add_glossy(glossy, hits, first, std::min(first + kLanes, last), add);
+    for (const GlossyHit* first = first_onward; first < last_onward; first += kLanes) {
+        add_glossy(glossy, hits, first, std::min(first + kLanes, last_onward), add);
     }
     return halves;
 }
@@ -194,6 +197,11 @@ LampBlockLight::LobeLanes through_lobe(const GatherRows& rows,
                 sums.half[c] += half * radiance[c];
             }
         };
+        for (const GlossyHit* next = onward;
+             next < last_onward && begin + next->hit < first + count;
+             ++next) {
+            expect_glossy(glossy, &rows.hits[begin], *next);
+        }
         for (std::size_t l = 0; l < count; ++l) {
             const std::size_t k = first + l;
             expect(sources.texels, precision, rows, k + kAhead);

@@ -31,6 +31,14 @@ inline constexpr float kNegligibleGaussian = 1e-3f;
 
 }  // namespace detail
 
+// Asks for what add_glossy() will read of a glossy hit of a row whose hits begin at `hits`.
+inline void expect_glossy(const GlossySources& sources,
+                          const GatherHit* hits,
+                          const GlossyHit& glossy) {
+    __builtin_prefetch(&sources.lobes[hits[glossy.hit].to]);
+    __builtin_prefetch(&sources.onward[glossy.to]);
+}
+
 // add(hit, gain, radiance) for glossy hits [first, last) of a row whose hits begin at `hits`: the
 // first ray of number `hit` brings gain x radiance more. last - first <= kLanes.
 template <typename Add>
