@@ -21,6 +21,14 @@ struct alignas(64) LampDirections {
     Vec3f normal = Vec3f::UnitZ();
 };
 
+// What is asked of memory so many hits before it is read.
+constexpr std::size_t kAhead = 8;
+
+void expect(const LampDirections& directions) {
+    for (const Lanes& component : directions.w) __builtin_prefetch(&component);
+    __builtin_prefetch(&directions.normal);
+}
+
 // What the lamps of a block send to a point.
 struct LampsAtPoint {
     std::array<Lanes, 3> w{};  // unit, towards the lamps
@@ -141,6 +149,7 @@ LargeVector<StandingHit> standing_hits(const TexelAtlas& atlas,
     });
     LargeVector<StandingHit> hits(rows.hits.size());
     parallel_for(hits.size(), [&](std::size_t k) {
+        if (k + kAhead < hits.size()) expect(directions[rows.hits[k + kAhead].to]);
         const LampDirections& at = directions[rows.hits[k].to];
         const Vec3f& w = rows.hits[k].w;
         const float cos_o = -at.normal.dot(w);
