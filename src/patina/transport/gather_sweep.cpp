@@ -86,9 +86,8 @@ GatheredHalves gathered(const GatherRows& rows,
     const std::size_t end = rows.begin[texel + 1];
     const GatherHit* hits = rows.hits.data() + k;
     const GlossyHit* first_onward = rows.glossy.data() + rows.glossy_begin[texel];
-    const GlossyHit* last_onward = glossy.onward.empty()
-                                       ? first_onward
-                                       : rows.glossy.data() + rows.glossy_begin[texel + 1];
+    const GlossyHit* last_onward =
+        glossy.onward.empty() ? first_onward : rows.glossy.data() + rows.glossy_begin[texel + 1];
     const GlossyHit* onward = first_onward;
     for (std::uint32_t half = 0; half < 2; ++half) {
         Radiance sum{};
