@@ -15,6 +15,12 @@ constexpr double kNegligibleLobe = 1e-5;
 // Change of all light by rounding what is sent on, relative: 2^-11 of each of about a hundred hits,
 // evenly spread, which is 3e-5, and room for those of few hits.
 constexpr double kRounding = 3e-4;
+// Where the maps have settled, light of whose change the next sweep keeps more than this is carried
+// on at once to where the sweeps lead, as if they kept no more than so much. After at least so many
+// plain sweeps, of which the last two tell that share.
+constexpr double kLongBounces = 0.8;
+constexpr double kMostKept = 0.95;
+constexpr int kPlainSweeps = 3;
 
 }  // namespace
 
@@ -191,7 +197,8 @@ IndirectLight GatherEngine::evaluate(std::span<const Reflectance> maps,
 void GatherEngine::evaluate(std::span<const Reflectance> maps,
                             std::span<const std::uint8_t> seen,
                             bool with_specular,
-                            IndirectLight& light) {
+                            IndirectLight& light,
+                            bool settled) {
     const std::size_t num_texels = atlas_.texels.size();
     light.retraced = with_specular && narrow_->follow(maps);
     // What photons carry of standing lamps.
@@ -219,11 +226,12 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
                 seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
         }
     }
+    const float step = next_step(settled);
     std::vector<double> mean(num_texels, 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const bool has_photons = rest && block < num_standing_;
         const RadiantTexels& of_block = has_photons ? *rest : texels;
-        blocks_[block].sweep(graph_, of_block, filter_, swept_);
+        blocks_[block].sweep(graph_, of_block, filter_, swept_, step);
         if (has_photons) add_photons(block, maps, glossy, light);
         add_irradiance(block, swept_.halves, light.irradiance);
         if (with_specular) add_lobes(block, of_block, maps, glossy, light.lobe);
@@ -237,30 +245,58 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
         });
     }
     light.hidden = graph_.backs_over_fronts;
-    compare_with_last(std::move(mean), light);
+    compare_with_last(std::move(mean), step > 1, light);
+}
+
+// Aitken's step: Anderson acceleration of depth one with the coefficient of the sweep before.
+float GatherEngine::next_step(bool settled) {
+    const bool leaps = settled && num_plain_ >= kPlainSweeps && kept_share_ > kLongBounces;
+    num_plain_ = settled && !leaps ? num_plain_ + 1 : 0;
+    return leaps ? float(1 / (1 - std::min(kept_share_, kMostKept))) : 1.0f;
 }
 
 void GatherEngine::restart() {
     for (LampBlockLight& block : blocks_) block.restart();
     narrow_->forget();
     previous_.clear();
-    previous_change_ = 0;
-    spectral_radius_ = 0;
+    last_change_.clear();
+    spectral_radius_ = kept_share_ = 0;
+    num_plain_ = 0;
 }
 
-void GatherEngine::compare_with_last(std::vector<double> mean, IndirectLight& light) {
+void GatherEngine::compare_with_last(std::vector<double> mean, bool leapt, IndirectLight& light) {
     const bool is_first = previous_.empty();
     previous_.resize(mean.size(), 0.0);
-    const double change = std::sqrt(ordered_reduce(
-        mean.size(), 0.0, [&](std::size_t i) { return square(mean[i] - previous_[i]); }));
+    last_change_.resize(mean.size(), 0.0);
+    // Of this change and the last one, per texel.
+    struct Products {
+        double this_this = 0, this_last = 0, last_last = 0;
+        Products& operator+=(const Products& other) {
+            this_this += other.this_this;
+            this_last += other.this_last;
+            last_last += other.last_last;
+            return *this;
+        }
+    };
+    const Products products = ordered_reduce(mean.size(), Products(), [&](std::size_t i) {
+        const double now = mean[i] - previous_[i];
+        return Products{square(now), now * last_change_[i], square(last_change_[i])};
+    });
     const double size =
         std::sqrt(ordered_reduce(mean.size(), 0.0, [&](std::size_t i) { return square(mean[i]); }));
     // Changes near what rounding to 16 bits changes say nothing: the last ratio before stands.
-    if (!is_first && previous_change_ > kRounding * size) {
-        spectral_radius_ = std::min(1.0, change / previous_change_);
+    kept_share_ = 0;
+    if (!is_first && !leapt && std::sqrt(products.last_last) > kRounding * size) {
+        spectral_radius_ =
+            std::min(1.0, std::sqrt(products.this_this) / std::sqrt(products.last_last));
+        kept_share_ = products.this_last / products.last_last;
     }
+    // The first light is no change, and a leap is none that a plain sweep would make.
+    parallel_for(mean.size(), [&](std::size_t i) {
+        last_change_[i] = is_first || leapt ? 0.0 : mean[i] - previous_[i];
+    });
     previous_ = std::move(mean);
-    previous_change_ = is_first ? 0 : change;
+    const double change = std::sqrt(products.this_this);
     light.spectral_radius = spectral_radius_;
     light.change =
         is_first ? std::numeric_limits<double>::infinity() : (size > 0 ? change / size : 0.0);

@@ -39,11 +39,14 @@ class GatherEngine final : public IndirectEngine {
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
-    // The same into the memory of `light`, whose contents are lost.
+    // The same into the memory of `light`, whose contents are lost. settled: the maps change from
+    // turn to turn by no decision any more, so that light that fades slowly may be carried on at
+    // once by as many bounces as it will take.
     void evaluate(std::span<const Reflectance> maps,
                   std::span<const std::uint8_t> seen,
                   bool with_specular,
-                  IndirectLight& light);
+                  IndirectLight& light,
+                  bool settled = false);
 
     // Forgets the light of earlier sweeps, not the graph.
     void restart();
@@ -57,7 +60,10 @@ class GatherEngine final : public IndirectEngine {
     };
 
     // mean: of the irradiance of all lamps, per texel. Fills in what the light says of its change.
-    void compare_with_last(std::vector<double> mean, IndirectLight& light);
+    // leapt: the sweep took more than a plain step.
+    void compare_with_last(std::vector<double> mean, bool leapt, IndirectLight& light);
+    // How many times as far as a plain one the next sweep goes.
+    [[nodiscard]] float next_step(bool settled);
     // The light of one block's lamps, to the lamp sets that they belong to.
     void add_irradiance(std::size_t block,
                         const std::array<IndirectLanes, 2>& halves,
@@ -83,9 +89,11 @@ class GatherEngine final : public IndirectEngine {
     std::vector<std::vector<LampPlace>> places_;  // per lamp set, per lamp
     SweptLight swept_;
     std::optional<NarrowLobes> narrow_;
-    std::vector<double> previous_;  // mean indirect light of the texels, last sweep
-    double previous_change_ = 0;
-    double spectral_radius_ = 0;  // as last told
+    std::vector<double> previous_;     // mean indirect light of the texels, last sweep
+    std::vector<double> last_change_;  // of it, by the last sweep; 0 if that leapt
+    double spectral_radius_ = 0;       // as last told
+    double kept_share_ = 0;  // of the last change but one, along it, in the last; 0: not known
+    int num_plain_ = 0;      // plain sweeps in a row under settled maps
 };
 
 }  // namespace patina

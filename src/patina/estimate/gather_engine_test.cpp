@@ -4,6 +4,7 @@
 
 #include "support/channel.h"
 #include "support/same_bytes.h"
+#include "support/scenes.h"
 #include <numeric>
 
 namespace patina {
@@ -272,6 +273,71 @@ TEST_F(ManyLamps, NeedNoPhotonsWhereNoLobeIsNarrow) {
         }
         EXPECT_TRUE(same_bytes(light.irradiance[0].halves[half], expected));
     }
+}
+
+// A closed box whose walls reflect nine tenths of the light: so much of a change is left by each
+// plain sweep in the end.
+class WhiteBox : public testing::Test {
+  protected:
+    WhiteBox() {
+        view_.views = {std::vector<TexelView>(atlas_.texels.size())};
+        view_.lights = {&scene_.lights[0]};
+        view_.direct = {direct_light(scene_.surface(), atlas_, scene_.lights[0])};
+        view_.shots = view_.camera_of_shot = view_.lamp_set_of_shot = {0};
+        view_.lamp_sets.resize(1);
+        view_.lamp_sets[0].indices = {0};
+        options_.gather.rays = 16;
+        options_.gather.lobe_rays = 8;
+    }
+
+    struct Rest {
+        int sweeps = 0;
+        double mean = 0;  // irradiance
+        double spectral_radius = 0;
+    };
+    // Until a sweep changes the light by less than this, relative, and is not a leap.
+    [[nodiscard]] Rest sweep_until(double change, bool settled) {
+        Progress progress;
+        GatherEngine engine(scene_.surface(), atlas_, view_, options_, progress);
+        IndirectLight light;
+        Rest rest;
+        do {
+            engine.evaluate(maps_, seen_, false, light, settled);
+            ++rest.sweeps;
+        } while (light.change > change && rest.sweeps < kMostSweeps);
+        std::vector<TexelId> all(atlas_.texels.size());
+        std::iota(all.begin(), all.end(), TexelId(0));
+        rest.mean =
+            mean_over(all, [&](TexelId texel) { return light.irradiance[0].mean(texel)[1]; });
+        rest.spectral_radius = light.spectral_radius;
+        return rest;
+    }
+
+    static constexpr double kAlbedo = 0.9;
+    static constexpr int kMostSweeps = 200;
+    LitScene scene_{inward_box(Vec3(1, 1, 1)), {}, {point_light(Vec3(0.4, 0.5, 0.6), 1)}};
+    TexelAtlas atlas_ = build_atlas(scene_.mesh, 36, 24);
+    std::vector<Reflectance> maps_{atlas_.texels.size(), lambertian(kAlbedo)};
+    std::vector<std::uint8_t> seen_ = std::vector<std::uint8_t>(atlas_.texels.size(), 1);
+    SceneView view_;
+    EstimateOptions options_;
+};
+
+TEST_F(WhiteBox, IsAtRestInHalfTheSweepsOnceMapsHaveSettled) {
+    constexpr double kRest = 1e-3;
+    // A loop that keeps so much of its changes is this far from its end when one is kRest.
+    constexpr double kFar = kRest * kAlbedo / (1 - kAlbedo);
+    const Rest plain = sweep_until(kRest, false);
+    const Rest settled = sweep_until(kRest, true);
+    const Rest end = sweep_until(0, false);
+    EXPECT_LE(2 * settled.sweeps, plain.sweeps);
+    EXPECT_NEAR(plain.mean / end.mean, 1, kFar);
+    EXPECT_NEAR(settled.mean / end.mean, 1, kFar);
+    // What a leap does is not taken for what the surface keeps, which is at most its albedo.
+    EXPECT_GT(plain.spectral_radius, 0.8);
+    EXPECT_LE(plain.spectral_radius, kAlbedo);
+    EXPECT_GT(settled.spectral_radius, 0);
+    EXPECT_LE(settled.spectral_radius, kAlbedo);
 }
 
 }  // namespace

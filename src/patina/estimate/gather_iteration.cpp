@@ -102,7 +102,9 @@ void GatherIteration::run(GatherEngine& engine, Progress& progress) {
 
 IterationLog GatherIteration::turn(GatherEngine& engine, bool frozen) {
     if (!frozen) held_weights_.clear();
-    engine.evaluate(result_.maps, observations_.seen, true, light_);
+    // A trial starts away from its end, where shares of changes say little of what is to come.
+    const bool settled = frozen && !is_held();
+    engine.evaluate(result_.maps, observations_.seen, true, light_, settled);
     return take_turn("gather", light_, true, frozen);
 }
 

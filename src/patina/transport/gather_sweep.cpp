@@ -311,7 +311,8 @@ void LampBlockLight::light_texels(const RadiantTexels& texels, LargeVector<Onwar
 void LampBlockLight::sweep(const GatherGraph& graph,
                            const RadiantTexels& texels,
                            const SurfaceFilter& filter,
-                           SweptLight& swept) {
+                           SweptLight& swept,
+                           float step) {
     const std::size_t num_texels = indirect_.size();
     if (!has_hits_) light_hits(graph);
     light_texels(texels, swept.onward);
@@ -329,10 +330,15 @@ void LampBlockLight::sweep(const GatherGraph& graph,
     parallel_for(num_texels, [&](std::size_t i) {
         const GatheredHalves smooth = filtered(filter, swept.unfiltered, i);
         for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes mean = 0.5f * (smooth[0][c] + smooth[1][c]);
+            // Both halves alike, so that their difference stays that of their rays; not below 0.
+            const Lanes further = (step - 1) * (mean - indirect_[i][c]);
+            const Lanes less = smooth[0][c] < smooth[1][c] ? smooth[0][c] : smooth[1][c];
+            const Lanes added = further < -less ? -less : further;
             for (std::size_t half = 0; half < 2; ++half) {
-                swept.halves[half][i][c] = units_ * smooth[half][c];
+                swept.halves[half][i][c] = units_ * (smooth[half][c] + added);
             }
-            indirect_[i][c] = 0.5f * (smooth[0][c] + smooth[1][c]);
+            indirect_[i][c] = mean + added;
         }
     });
 }

@@ -65,11 +65,13 @@ class LampBlockLight {
                    bool turning,
                    bool keeps_hits = true);
 
-    // One sweep. The mean of the filtered halves is what the next one starts from.
+    // One sweep. The mean of the filtered halves is what the next one starts from. step: so many
+    // times as far from the light of the last sweep as the rays tell.
     void sweep(const GatherGraph& graph,
                const RadiantTexels& texels,
                const SurfaceFilter& filter,
-               SweptLight& swept);
+               SweptLight& swept,
+               float step = 1);
 
     // Adds what reaches the texels of the lamps in another way to the light of the last sweep, so
     // that the next one carries it on: irradiance of two halves, the same in all channels, per
