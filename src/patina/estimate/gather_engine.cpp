@@ -16,8 +16,8 @@ constexpr double kNegligibleLobe = 1e-5;
 // evenly spread, which is 3e-5, and room for those of few hits.
 constexpr double kRounding = 3e-4;
 // Where the maps have settled, light of whose change the next sweep keeps more than this is carried
-// on at once to where the sweeps lead, as if they kept no more than so much. After at least so many
-// plain sweeps, of which the last two tell that share.
+// on at once to where the sweeps lead, as if they kept at most so much. After so many plain sweeps,
+// of which the last two tell that share.
 constexpr double kLongBounces = 0.8;
 constexpr double kMostKept = 0.95;
 constexpr int kPlainSweeps = 3;
@@ -226,7 +226,8 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
                 seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
         }
     }
-    const float step = next_step(settled);
+    // What photons bring is not among what a sweep gathers, so that the step would be wrong.
+    const float step = next_step(settled && !rest);
     std::vector<double> mean(num_texels, 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const bool has_photons = rest && block < num_standing_;
