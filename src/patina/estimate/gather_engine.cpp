@@ -251,7 +251,9 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
 
 // Aitken's step: Anderson acceleration of depth one with the coefficient of the sweep before.
 float GatherEngine::next_step(bool settled) {
-    const bool leaps = settled && num_plain_ >= kPlainSweeps && kept_share_ > kLongBounces;
+    const bool leaps = settled && num_plain_ >= kPlainSweeps && kept_share_ > kLongBounces &&
+                       kept_share_ < 1 && plain_change_ < change_before_leap_;
+    if (leaps) change_before_leap_ = plain_change_;
     num_plain_ = settled && !leaps ? num_plain_ + 1 : 0;
     return leaps ? float(1 / (1 - std::min(kept_share_, kMostKept))) : 1.0f;
 }
@@ -262,6 +264,8 @@ void GatherEngine::restart() {
     previous_.clear();
     last_change_.clear();
     spectral_radius_ = kept_share_ = 0;
+    plain_change_ = 0;
+    change_before_leap_ = std::numeric_limits<double>::infinity();
     num_plain_ = 0;
 }
 
@@ -298,6 +302,7 @@ void GatherEngine::compare_with_last(std::vector<double> mean, bool leapt, Indir
     });
     previous_ = std::move(mean);
     const double change = std::sqrt(products.this_this);
+    if (!leapt) plain_change_ = change;
     light.spectral_radius = spectral_radius_;
     light.change =
         is_first ? std::numeric_limits<double>::infinity() : (size > 0 ? change / size : 0.0);

@@ -39,9 +39,9 @@ class GatherEngine final : public IndirectEngine {
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
-    // The same into the memory of `light`, whose contents are lost. settled: the maps change from
-    // turn to turn by no decision any more, so that light that fades slowly may be carried on at
-    // once by as many bounces as it will take.
+    // The same into the memory of `light`, whose contents are lost. settled: what counts as
+    // measured does not change any more, and light and maps hardly. Then, where light fades slowly,
+    // a sweep may go up to twenty times as far as a plain one, whose ratio of changes stands.
     void evaluate(std::span<const Reflectance> maps,
                   std::span<const std::uint8_t> seen,
                   bool with_specular,
@@ -92,8 +92,11 @@ class GatherEngine final : public IndirectEngine {
     std::vector<double> previous_;     // mean indirect light of the texels, last sweep
     std::vector<double> last_change_;  // of it, by the last sweep; 0 if that leapt
     double spectral_radius_ = 0;       // as last told
-    double kept_share_ = 0;  // of the last change but one, along it, in the last; 0: not known
-    int num_plain_ = 0;      // plain sweeps in a row under settled maps
+    double kept_share_ = 0;    // of the last change but one, along it, in the last; 0: not known
+    int num_plain_ = 0;        // plain sweeps in a row under settled maps
+    double plain_change_ = 0;  // of the light, by the last plain sweep
+    // The same before the last leap: one that does not lead to smaller changes is the last.
+    double change_before_leap_ = std::numeric_limits<double>::infinity();
 };
 
 }  // namespace patina

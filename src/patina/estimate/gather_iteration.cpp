@@ -102,8 +102,10 @@ void GatherIteration::run(GatherEngine& engine, Progress& progress) {
 
 IterationLog GatherIteration::turn(GatherEngine& engine, bool frozen) {
     if (!frozen) held_weights_.clear();
-    // A trial starts away from its end, where shares of changes say little of what is to come.
-    const bool settled = frozen && !is_held();
+    // Far from the end, as while light still grows or a trial begins, changes do not tell where
+    // they lead.
+    const bool settled = frozen && !is_held() && light_.change < kLightNearRest &&
+                         result_.iterations.back().change < kMapsNearRest;
     engine.evaluate(result_.maps, observations_.seen, true, light_, settled);
     return take_turn("gather", light_, true, frozen);
 }
