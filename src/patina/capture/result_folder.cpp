@@ -3,6 +3,7 @@
 #include "patina/base/check.h"
 #include "patina/base/error.h"
 #include "patina/base/output_file.h"
+#include "patina/base/parallel.h"
 #include "patina/capture/json_fields.h"
 #include "patina/math/types.h"
 #include "patina/scene/mesh_io.h"
@@ -137,24 +138,34 @@ void check_maps(const fs::path& folder, const ReflectanceMaps& maps) {
     }
 }
 
+// Does nothing for an optional map that is empty.
+void write_map(const fs::path& folder, const MapFile& file, const ReflectanceMaps& maps) {
+    const Image& map = maps.*file.map;
+    if (file.is_optional && map.empty()) return;
+    PATINA_CHECK_EQ(map.width, maps.status.width);
+    PATINA_CHECK_EQ(map.height, maps.status.height);
+    PATINA_CHECK_EQ(map.channels, file.channels);
+    const std::optional<Fault> fault = find_fault(file, map, maps.status);
+    PATINA_CHECK_EQ(std::string(fault ? fault->problem : ""), "");
+    write_exr(folder / file.name, repeat_channels(map, file.stored_channels));
+}
+
 }  // namespace
 
 void write_result_maps(const fs::path& folder, const ReflectanceMaps& maps) {
-    for (const MapFile& file : kMapFiles) {
-        const Image& map = maps.*file.map;
-        if (file.is_optional && map.empty()) continue;
-        PATINA_CHECK_EQ(map.width, maps.status.width);
-        PATINA_CHECK_EQ(map.height, maps.status.height);
-        PATINA_CHECK_EQ(map.channels, file.channels);
-        const std::optional<Fault> fault = find_fault(file, map, maps.status);
-        PATINA_CHECK_EQ(std::string(fault ? fault->problem : ""), "");
-        write_exr(folder / file.name, repeat_channels(map, file.stored_channels));
-    }
+    const auto write = [&](std::size_t i) { write_map(folder, kMapFiles[i], maps); };
+    parallel_for(kMapFiles.size(), write, 1);
 }
 
 void write_result(const fs::path& folder, const Result& result) {
-    write_result_maps(folder, result.maps);
-    write_ply(folder / kMeshName, result.mesh);
+    const auto write = [&](std::size_t i) {
+        if (i == 0) {
+            write_ply(folder / kMeshName, result.mesh);
+        } else {
+            write_map(folder, kMapFiles[i - 1], result.maps);
+        }
+    };
+    parallel_for(1 + kMapFiles.size(), write, 1);
     write_file(folder / kJsonName, result.json);
 }
 

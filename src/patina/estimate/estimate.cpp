@@ -252,16 +252,16 @@ class Iteration {
 
     // Moves the maps towards the fits; returns the relative change.
     double update_maps(double damping, double lobe_damping) {
-        MapChange change;
-        for (std::size_t i = 0; i < num_texels_; ++i) {
+        const auto move = [&](std::size_t i) {
             Reflectance& map = result_.maps[i];
             const Reflectance& fit = fits_[i].reflectance;
             Reflectance next;
             next.diffuse = map.diffuse + damping * (fit.diffuse - map.diffuse);
             next.specular = map.specular + lobe_damping * (fit.specular - map.specular);
             next.roughness = map.roughness + lobe_damping * (fit.roughness - map.roughness);
-            change.move(map, next);
-        }
+            return move_map(map, next);
+        };
+        const auto change = ordered_reduce(num_texels_, MapChange(), move);
         result_.num_clamped = change.num_clamped;
         return change.relative();
     }

@@ -1,5 +1,7 @@
 #include "patina/estimate/fill_errors.h"
 
+#include "patina/base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -89,18 +91,18 @@ std::vector<LobeSpread> fill_errors(const TexelAtlas& atlas,
     const SpreadOverDistance spread(LobeVariogram(atlas, maps, errors, measured));
     const std::vector<Source> sources = nearest_measured(atlas, measured);
     std::vector<LobeSpread> result(maps.size(), {0, 0});
-    for (std::size_t i = 0; i < result.size(); ++i) {
-        if (measured[i] != 0) continue;
+    parallel_for(result.size(), [&](std::size_t i) {
+        if (measured[i] != 0) return;
         const Source& source = sources[i];
         if (source.texel == kNoTexel) {
             result[i] = {kInfinity, kInfinity};
-            continue;
+            return;
         }
         const LobeSpread there = spread.at(source.distance);
         const LobeSpread own = own_variance(maps[source.texel], errors[source.texel]);
         result[i] = {std::sqrt(square(there.specular_albedo) + own.specular_albedo),
                      std::sqrt(square(there.roughness) + own.roughness)};
-    }
+    });
     return result;
 }
 

@@ -284,13 +284,13 @@ class Finisher {
             }
         };
         std::vector<Sum> sums(budgets_.size());
-        for (std::size_t i = 0; i < sums.size(); ++i) {
+        parallel_for(sums.size(), [&](std::size_t i) {
             if (fits_[i].observed) sums[i] = {budgets_[i].transport, 1.0};
-        }
+        });
         sum_over_rings(atlas_, kRings, sums);
-        for (std::size_t i = 0; i < sums.size(); ++i) {
+        parallel_for(sums.size(), [&](std::size_t i) {
             if (sums[i].count > 0) budgets_[i].transport = sums[i].value / sums[i].count;
-        }
+        });
     }
 
     void find_blur() {
@@ -298,14 +298,14 @@ class Finisher {
         std::vector<Parameters> maps(num_texels);
         std::vector<Parameters> noise(num_texels);
         std::vector<std::uint8_t> observed(num_texels);
-        for (std::size_t i = 0; i < num_texels; ++i) {
+        parallel_for(num_texels, [&](std::size_t i) {
             maps[i] = parameters_of(estimate_.maps[i]);
             noise[i] = random_variance(i);
             observed[i] = fits_[i].observed;
-        }
+        });
         const double moment = *std::max_element(footprints_.begin(), footprints_.end());
         const std::vector<Parameters> blur = footprint_blur(atlas_, maps, noise, observed, moment);
-        for (std::size_t i = 0; i < num_texels; ++i) budgets_[i].blur = blur[i];
+        parallel_for(num_texels, [&](std::size_t i) { budgets_[i].blur = blur[i]; });
     }
 
     // What differs from texel to texel at random, of a lobe that was drawn towards its neighbours'.
@@ -347,12 +347,12 @@ class Finisher {
         // Lobes as they were before their neighbours had a say: these filled the others.
         std::vector<Reflectance> own = estimate_.maps;
         std::vector<Reflectance> own_errors = estimate_.errors;
-        for (std::size_t i = 0; i < num_texels; ++i) {
+        parallel_for(num_texels, [&](std::size_t i) {
             measured[i] = fits_[i].observed && fits_[i].roughness_measured;
-            if (!was_drawn(i)) continue;
+            if (!was_drawn(i)) return;
             own[i] = fits_[i].reflectance;
             own_errors[i] = errors_with(i, own_random_variance(i));
-        }
+        });
         const std::vector<LobeSpread> spread = fill_errors(atlas_, own, own_errors, measured);
         parallel_for(num_texels, [&](std::size_t i) {
             if (!fits_[i].observed || fits_[i].specular_measured) return;

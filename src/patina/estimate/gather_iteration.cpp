@@ -323,15 +323,14 @@ void GatherIteration::fill_unmeasured(const IndirectLight& light, double toleran
     std::vector<float> confidence(num_texels_);
     std::vector<double> values(num_texels_);
     for (const Eigen::Index channel : {0, 1, 2}) {
-        for (std::size_t i = 0; i < num_texels_; ++i) {
+        parallel_for(num_texels_, [&](std::size_t i) {
             confidence[i] = fits_[i].observed ? 1.0f : 0.0f;
             values[i] = fits_[i].observed ? fits_[i].reflectance.diffuse[channel]
                                           : result_.maps[i].diffuse[channel];
-        }
+        });
         geometry_fill_.fill(confidence, 0, values, tolerance);
-        for (std::size_t i = 0; i < num_texels_; ++i) {
-            fits_[i].reflectance.diffuse[channel] = values[i];
-        }
+        parallel_for(num_texels_,
+                     [&](std::size_t i) { fits_[i].reflectance.diffuse[channel] = values[i]; });
     }
     if (!is_held()) {
         lobe_filling_.fill_roughness(tolerance, fits_);
@@ -372,11 +371,11 @@ void GatherIteration::refit_unconfirmed(const IndirectLight& light) {
 
 // The maps become the fits; returns the relative change of their albedo.
 double GatherIteration::update_maps() {
-    MapChange change;
-    for (std::size_t i = 0; i < num_texels_; ++i) {
+    const auto move = [&](std::size_t i) {
         const TexelFit& fit = fits_[i];
-        change.move(result_.maps[i], fit.roughness_measured ? fit.drawn : fit.reflectance);
-    }
+        return move_map(result_.maps[i], fit.roughness_measured ? fit.drawn : fit.reflectance);
+    };
+    const auto change = ordered_reduce(num_texels_, MapChange(), move);
     result_.num_clamped = change.num_clamped;
     return change.relative();
 }

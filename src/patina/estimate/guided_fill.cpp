@@ -24,6 +24,8 @@ constexpr double kReach = 60.0;
 // Known texels that the trend is made of, at most, and how many of them count as nothing new.
 constexpr std::size_t kMaxSamples = 2000;
 constexpr double kPriorCount = 2.0;
+// Means over all samples that a thread takes at once.
+constexpr std::size_t kSampleGrain = 8;
 
 struct Sample {
     Vec3 color = Vec3::Zero();
@@ -50,12 +52,17 @@ double kernel_mean(std::span<const Sample> samples, const Vec3& color, double pr
 double explained_share(std::span<const Sample> samples, double mean) {
     std::array<std::vector<Sample>, 2> sets;
     for (std::size_t i = 0; i < samples.size(); ++i) sets[i % 2].push_back(samples[i]);
+    std::vector<double> predicted(sets[1].size());
+    const auto predict = [&](std::size_t i) {
+        predicted[i] = kernel_mean(sets[0], sets[1][i].color, mean);
+    };
+    parallel_for(predicted.size(), predict, kSampleGrain);
     double before = 0;
     double after = 0;
-    for (const Sample& sample : sets[1]) {
-        const double predicted = kernel_mean(sets[0], sample.color, mean);
+    for (std::size_t i = 0; i < predicted.size(); ++i) {
+        const Sample& sample = sets[1][i];
         before += sample.weight * square(sample.value - mean);
-        after += sample.weight * square(sample.value - predicted);
+        after += sample.weight * square(sample.value - predicted[i]);
     }
     return before > 0 ? std::clamp(1 - after / before, 0.0, 1.0) : 0.0;
 }
@@ -68,6 +75,10 @@ Cell cell_of(const Vec3& color) {
     return cell;
 }
 
+Vec3 middle_of(const Cell& cell) {
+    return {0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5)};
+}
+
 // Cells of one key lie 2^21 apart: colours reach less than 200 from 0.
 std::uint64_t cell_key(const Cell& cell) {
     std::uint64_t key = 0;
@@ -78,7 +89,10 @@ std::uint64_t cell_key(const Cell& cell) {
 }  // namespace
 
 GuidedFill::GuidedFill(const TexelAtlas& atlas, std::span<const Rgb> diffuse)
-    : atlas_(atlas), color_(atlas.texels.size()), link_(atlas.neighbors.size()) {
+    : atlas_(atlas),
+      color_(atlas.texels.size()),
+      cell_(atlas.texels.size()),
+      link_(atlas.neighbors.size()) {
     PATINA_CHECK_EQ(diffuse.size(), atlas.texels.size());
     parallel_for(color_.size(), [&](std::size_t i) {
         const Rgb albedo = diffuse[i].max(kSmallestAlbedo);
@@ -97,6 +111,26 @@ GuidedFill::GuidedFill(const TexelAtlas& atlas, std::span<const Rgb> diffuse)
             link_[k] = std::max(kWeakestLink, float(std::exp(-0.5 * (bend + differs))));
         }
     });
+    find_cells();
+}
+
+// Colours on a grid finer than the kernel of the trend are looked up once.
+void GuidedFill::find_cells() {
+    std::vector<std::uint64_t> keys(color_.size());
+    parallel_for(keys.size(), [&](std::size_t i) { keys[i] = cell_key(cell_of(color_[i])); });
+    std::unordered_map<std::uint64_t, std::uint32_t> number_of_cell;
+    std::uint64_t last_key = 0;
+    std::uint32_t last_number = 0;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+        if (i == 0 || keys[i] != last_key) {
+            const auto [found, is_new] =
+                number_of_cell.try_emplace(keys[i], std::uint32_t(cell_middle_.size()));
+            if (is_new) cell_middle_.push_back(middle_of(cell_of(color_[i])));
+            last_key = keys[i];
+            last_number = found->second;
+        }
+        cell_[i] = last_number;
+    }
 }
 
 std::vector<double> GuidedFill::trend(std::span<const float> confidence,
@@ -119,26 +153,13 @@ std::vector<double> GuidedFill::trend(std::span<const float> confidence,
     const double share = explained_share(samples, mean);
     std::vector<double> result(values.size(), mean);
     if (share <= 0) return result;
-    // Colours on a grid finer than the kernel are looked up once.
-    std::vector<std::uint64_t> keys(values.size());
-    parallel_for(keys.size(), [&](std::size_t i) { keys[i] = cell_key(cell_of(color_[i])); });
-    std::unordered_map<std::uint64_t, std::size_t> number_of_cell;
-    std::vector<std::size_t> first_of_cell;
-    for (std::size_t i = 0; i < values.size(); ++i) {
-        if (number_of_cell.try_emplace(keys[i], first_of_cell.size()).second) {
-            first_of_cell.push_back(i);
-        }
-    }
-    std::vector<double> trend_of_cell(first_of_cell.size());
-    const auto find_trend = [&](std::size_t number) {
-        const Cell cell = cell_of(color_[first_of_cell[number]]);
-        const Vec3 middle(0.5 * (cell[0] + 0.5), 0.5 * (cell[1] + 0.5), 0.5 * (cell[2] + 0.5));
-        trend_of_cell[number] = mean + share * (kernel_mean(samples, middle, mean) - mean);
+    std::vector<double> trend_of_cell(cell_middle_.size());
+    const auto find_trend = [&](std::size_t cell) {
+        trend_of_cell[cell] =
+            mean + share * (kernel_mean(samples, cell_middle_[cell], mean) - mean);
     };
-    parallel_for(trend_of_cell.size(), find_trend, 8);
-    parallel_for(result.size(), [&](std::size_t i) {
-        result[i] = trend_of_cell[number_of_cell.find(keys[i])->second];
-    });
+    parallel_for(trend_of_cell.size(), find_trend, kSampleGrain);
+    parallel_for(result.size(), [&](std::size_t i) { result[i] = trend_of_cell[cell_[i]]; });
     return result;
 }
 
@@ -175,7 +196,7 @@ void GuidedFill::fill(std::span<const float> confidence,
         equation.right[row] = right;
     });
     std::vector<double> above(values.size());
-    for (std::size_t i = 0; i < values.size(); ++i) above[i] = values[i] - expected[i];
+    parallel_for(values.size(), [&](std::size_t i) { above[i] = values[i] - expected[i]; });
     LinkSolverOptions options;
     options.tolerance = tolerance;
     solve_links(atlas_, link_, equation, options, above);

@@ -40,11 +40,14 @@ class GuidedFill {
     [[nodiscard]] std::span<const float> links() const { return link_; }
 
   private:
+    void find_cells();
     [[nodiscard]] std::vector<double> trend(std::span<const float> confidence,
                                             std::span<const double> values) const;
 
     const TexelAtlas& atlas_;
     std::vector<Vec3> color_;  // log of the mean of Pd, and two chromaticities, in scaled units
+    std::vector<std::uint32_t> cell_;  // of the texel's colour among cell_middle_
+    std::vector<Vec3> cell_middle_;
     std::vector<float> link_;  // see links()
 };
 

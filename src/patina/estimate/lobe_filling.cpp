@@ -1,5 +1,7 @@
 #include "patina/estimate/lobe_filling.h"
 
+#include "patina/base/parallel.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -24,7 +26,7 @@ LobeFilling::LobeFilling(const TexelAtlas& atlas)
 
 void LobeFilling::set_guide(std::span<const TexelFit> fits) {
     std::vector<Rgb> diffuse(fits.size());
-    for (std::size_t i = 0; i < fits.size(); ++i) diffuse[i] = fits[i].reflectance.diffuse;
+    parallel_for(fits.size(), [&](std::size_t i) { diffuse[i] = fits[i].reflectance.diffuse; });
     fill_.emplace(atlas_, diffuse);
 }
 
@@ -32,33 +34,33 @@ void LobeFilling::find_spread(std::span<const TexelFit> fits) {
     std::vector<Reflectance> maps(fits.size());
     std::vector<Reflectance> errors(fits.size());
     std::vector<std::uint8_t> measured(fits.size());
-    for (std::size_t i = 0; i < fits.size(); ++i) {
+    parallel_for(fits.size(), [&](std::size_t i) {
         maps[i] = fits[i].reflectance;
         errors[i].specular = fits[i].specular_error;
         errors[i].roughness = fits[i].roughness_error;
         measured[i] = fits[i].observed && fits[i].roughness_measured;
-    }
+    });
     spread_ = fill_errors(atlas_, maps, errors, measured);
 }
 
 void LobeFilling::fill_roughness(double tolerance, std::span<TexelFit> fits) {
-    for (std::size_t i = 0; i < fits.size(); ++i) {
+    parallel_for(fits.size(), [&](std::size_t i) {
         const TexelFit& fit = fits[i];
         const bool known = fit.observed && fit.roughness_measured;
         confidence_[i] =
             known ? confidence_of(fit.roughness_error, fit.reflectance.roughness) : 0.0f;
         if (known) log_roughness_[i] = std::log(fit.reflectance.roughness);
-    }
+    });
     fill_->fill(confidence_, std::log(kInitialRoughness), log_roughness_, tolerance);
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (confidence_[i] > 0) continue;
+    parallel_for(fits.size(), [&](std::size_t i) {
+        if (confidence_[i] > 0) return;
         fits[i].reflectance.roughness =
             std::clamp(std::exp(log_roughness_[i]), kMinRoughness, kMaxRoughness);
-    }
+    });
 }
 
 void LobeFilling::fill_specular(double tolerance, double fallback, std::span<TexelFit> fits) {
-    for (std::size_t i = 0; i < fits.size(); ++i) {
+    parallel_for(fits.size(), [&](std::size_t i) {
         const TexelFit& fit = fits[i];
         const bool known = fit.observed && fit.specular_measured;
         confidence_[i] = !known ? 0.0f
@@ -67,13 +69,13 @@ void LobeFilling::fill_specular(double tolerance, double fallback, std::span<Tex
                              : 1.0f;
         const Reflectance& lobe = fit.reflectance;
         if (known) specular_albedo_[i] = lobe.specular * square(lobe.roughness);
-    }
+    });
     fill_->fill(confidence_, fallback, specular_albedo_, tolerance);
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (confidence_[i] > 0) continue;
+    parallel_for(fits.size(), [&](std::size_t i) {
+        if (confidence_[i] > 0) return;
         Reflectance& lobe = fits[i].reflectance;
         lobe.specular = std::max(0.0, specular_albedo_[i]) / square(lobe.roughness);
-    }
+    });
 }
 
 LogLobe LobeFilling::lobe(std::size_t texel) const {

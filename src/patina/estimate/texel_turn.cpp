@@ -186,14 +186,24 @@ TexelFit fit_texel(std::span<const FitRow> rows,
     return fit;
 }
 
-void MapChange::move(Reflectance& map, const Reflectance& next) {
+MapChange& MapChange::operator+=(const MapChange& other) {
+    moved += other.moved;
+    size += other.size;
+    num_clamped += other.num_clamped;
+    return *this;
+}
+
+MapChange move_map(Reflectance& map, const Reflectance& next) {
     const Projection projection = project_to_feasible(next);
-    if (projection.was_clamped) ++num_clamped;
     const Reflectance& held = projection.reflectance;
-    moved += (held.diffuse - map.diffuse).square().sum() +
-             square(held.specular * square(held.roughness) - map.specular * square(map.roughness));
-    size += held.diffuse.square().sum();
+    const double change_of_albedo =
+        held.specular * square(held.roughness) - map.specular * square(map.roughness);
+    MapChange change;
+    change.moved = (held.diffuse - map.diffuse).square().sum() + square(change_of_albedo);
+    change.size = held.diffuse.square().sum();
+    change.num_clamped = projection.was_clamped ? 1 : 0;
     map = held;
+    return change;
 }
 
 std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {

@@ -79,11 +79,13 @@ struct MapChange {
     double size = 0;   // sum of Pd^2
     std::size_t num_clamped = 0;
 
-    // Makes `next`, held in the feasible set, the map.
-    void move(Reflectance& map, const Reflectance& next);
+    MapChange& operator+=(const MapChange& other);
     // Root mean square change of the maps' albedo [-].
     [[nodiscard]] double relative() const { return size > 0 ? std::sqrt(moved / size) : 0; }
 };
+
+// Makes `next`, held in the feasible set, the map.
+MapChange move_map(Reflectance& map, const Reflectance& next);
 
 // Takes back the measurements that their neighbours do not confirm: a lobe counts as measured only
 // if half of the texels around it have one of a specular albedo within a factor of two (or are

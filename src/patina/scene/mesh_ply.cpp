@@ -292,9 +292,11 @@ class PlyParser {
 };
 
 void append_u32(std::string& out, std::uint32_t value) {
-    for (int shift = 0; shift < 32; shift += 8) {
-        out.push_back(static_cast<char>((value >> shift) & 0xffu));
+    std::array<char, 4> bytes;
+    for (std::size_t k = 0; k < bytes.size(); ++k) {
+        bytes[k] = static_cast<char>((value >> (8 * k)) & 0xffu);
     }
+    out.append(bytes.data(), bytes.size());
 }
 
 template <typename Vector>
