@@ -1,11 +1,13 @@
 #include "patina/scene/atlas.h"
 
+#include "patina/base/parallel.h"
 #include "patina/scene/atlas_cells.h"
 #include "patina/scene/range_image.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <functional>
 #include <map>
 #include <numeric>
 #include <unordered_map>
@@ -125,33 +127,20 @@ TexelId nearest_texel(const TexelAtlas& atlas, int column, int row, std::uint32_
 
 using TexelPairs = std::vector<std::pair<TexelId, TexelId>>;
 
-void add_pair(TexelPairs& pairs, TexelId a, TexelId b) {
-    if (a == kNoTexel || b == kNoTexel || a == b) return;
-    pairs.emplace_back(a, b);
-    pairs.emplace_back(b, a);
-}
-
 bool close_in_space(const Texel& a, const Texel& b) {
     const double size = 0.5 * (std::sqrt(a.area) + std::sqrt(b.area));
     return (a.point.position - b.point.position).norm() <= kMaxNeighborDistance * size;
 }
 
-// Neighbouring cells of one chart.
-void add_grid_neighbors(const TexelAtlas& atlas, TexelPairs& pairs) {
-    const auto texel_at = [&atlas](int x, int y) {
-        return atlas.cell_texel[std::size_t(y) * std::size_t(atlas.width) + std::size_t(x)];
-    };
-    for (TexelId id = 0; id < atlas.texels.size(); ++id) {
-        const Texel& texel = atlas.texels[id];
-        for (const auto& [dx, dy] : {std::pair{1, 0}, std::pair{0, 1}}) {
-            const int x = texel.column + dx;
-            const int y = texel.row + dy;
-            if (x >= atlas.width || y >= atlas.height) continue;
-            const TexelId other = texel_at(x, y);
-            if (other == kNoTexel || atlas.texels[other].chart != texel.chart) continue;
-            if (close_in_space(texel, atlas.texels[other])) add_pair(pairs, id, other);
-        }
-    }
+// The texel of the same chart in a cell beside this one's, if both lie close on the surface.
+TexelId grid_neighbor(const TexelAtlas& atlas, const Texel& texel, int dx, int dy) {
+    const int x = texel.column + dx;
+    const int y = texel.row + dy;
+    if (x < 0 || y < 0 || x >= atlas.width || y >= atlas.height) return kNoTexel;
+    const TexelId other =
+        atlas.cell_texel[std::size_t(y) * std::size_t(atlas.width) + std::size_t(x)];
+    if (other == kNoTexel || atlas.texels[other].chart != texel.chart) return kNoTexel;
+    return close_in_space(texel, atlas.texels[other]) ? other : kNoTexel;
 }
 
 // The texel on this triangle's side of a point of one of its edges.
@@ -171,59 +160,106 @@ struct EdgeUse {
     int corner;  // the edge runs from this corner to the next
 };
 
-// Edges that two triangles share in space but not in the texel domain: seams between charts.
-void add_seam_neighbors(const Mesh& mesh, const TexelAtlas& atlas, TexelPairs& pairs) {
+// An edge that two triangles share in space but not in the texel domain: between charts.
+struct Seam {
+    EdgeUse here;
+    EdgeUse there;
+    bool reversed;  // whether there it runs the other way
+};
+
+std::vector<Seam> find_seams(const Mesh& mesh) {
     const std::vector<std::uint32_t> welded = weld_by_position(mesh);
+    const auto ends_of = [&mesh](const EdgeUse& use) {
+        const Triangle& triangle = mesh.triangles[use.triangle];
+        return std::pair(triangle[std::size_t(use.corner)],
+                         triangle[std::size_t((use.corner + 1) % 3)]);
+    };
+    std::vector<Seam> seams;
     std::unordered_map<std::uint64_t, EdgeUse> open_edges;  // by both its ends
     open_edges.reserve(2 * mesh.triangles.size());
     for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
         for (int corner = 0; corner < 3; ++corner) {
-            const std::uint32_t a = mesh.triangles[i][std::size_t(corner)];
-            const std::uint32_t b = mesh.triangles[i][std::size_t((corner + 1) % 3)];
+            const EdgeUse use = {i, corner};
+            const auto [a, b] = ends_of(use);
             const auto [low, high] = std::minmax(welded[a], welded[b]);
             const std::uint64_t key = std::uint64_t(low) << 32 | high;
-            const auto [found, is_new] = open_edges.try_emplace(key, EdgeUse{i, corner});
+            const auto [found, is_new] = open_edges.try_emplace(key, use);
             if (is_new) continue;
-            const EdgeUse other = found->second;
-            const std::uint32_t oa = mesh.triangles[other.triangle][std::size_t(other.corner)];
-            const std::uint32_t ob =
-                mesh.triangles[other.triangle][std::size_t((other.corner + 1) % 3)];
-            const bool reversed = welded[oa] != welded[a];
-            const std::uint32_t oa_matching = reversed ? ob : oa;
-            const std::uint32_t ob_matching = reversed ? oa : ob;
-            if (mesh.uvs[oa_matching] == mesh.uvs[a] && mesh.uvs[ob_matching] == mesh.uvs[b])
-                continue;
-            const CellTriangle here = cell_triangle(mesh, i, atlas.width, atlas.height);
-            const CellTriangle there =
-                cell_triangle(mesh, other.triangle, atlas.width, atlas.height);
-            const Vec2 here_a = here[std::size_t(corner)];
-            const Vec2 here_b = here[std::size_t((corner + 1) % 3)];
-            const Vec2 there_a =
-                there[std::size_t(reversed ? (other.corner + 1) % 3 : other.corner)];
-            const Vec2 there_b =
-                there[std::size_t(reversed ? other.corner : (other.corner + 1) % 3)];
-            const double length = std::max((here_b - here_a).norm(), (there_b - there_a).norm());
-            const int num_steps = std::max(1, int(std::ceil(2 * length)));
-            for (int step = 0; step < num_steps; ++step) {
-                const double s = (step + 0.5) / num_steps;
-                add_pair(pairs,
-                         texel_beside_edge(atlas, here, here_a + s * (here_b - here_a)),
-                         texel_beside_edge(atlas, there, there_a + s * (there_b - there_a)));
+            const auto [other_a, other_b] = ends_of(found->second);
+            const bool reversed = welded[other_a] != welded[a];
+            if (mesh.uvs[reversed ? other_b : other_a] != mesh.uvs[a] ||
+                mesh.uvs[reversed ? other_a : other_b] != mesh.uvs[b]) {
+                seams.push_back({use, found->second, reversed});
             }
         }
     }
+    return seams;
 }
 
-void store_neighbors(TexelAtlas& atlas, TexelPairs pairs) {
+// Both ways, in ascending order.
+TexelPairs seam_neighbors(const Mesh& mesh,
+                          const TexelAtlas& atlas,
+                          const std::vector<Seam>& seams) {
+    TexelPairs pairs;
+    for (const auto& [here, there, reversed] : seams) {
+        const CellTriangle at_here = cell_triangle(mesh, here.triangle, atlas.width, atlas.height);
+        const CellTriangle at_there =
+            cell_triangle(mesh, there.triangle, atlas.width, atlas.height);
+        const Vec2 here_a = at_here[std::size_t(here.corner)];
+        const Vec2 here_b = at_here[std::size_t((here.corner + 1) % 3)];
+        const int next_there = (there.corner + 1) % 3;
+        const Vec2 there_a = at_there[std::size_t(reversed ? next_there : there.corner)];
+        const Vec2 there_b = at_there[std::size_t(reversed ? there.corner : next_there)];
+        const double length = std::max((here_b - here_a).norm(), (there_b - there_a).norm());
+        const int num_steps = std::max(1, int(std::ceil(2 * length)));
+        for (int step = 0; step < num_steps; ++step) {
+            const double s = (step + 0.5) / num_steps;
+            const TexelId a = texel_beside_edge(atlas, at_here, here_a + s * (here_b - here_a));
+            const TexelId b = texel_beside_edge(atlas, at_there, there_a + s * (there_b - there_a));
+            if (a == kNoTexel || b == kNoTexel || a == b) continue;
+            pairs.emplace_back(a, b);
+            pairs.emplace_back(b, a);
+        }
+    }
     std::sort(pairs.begin(), pairs.end());
-    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
-    atlas.neighbor_begin.assign(atlas.texels.size() + 1, 0);
-    for (const auto& [from, to] : pairs) ++atlas.neighbor_begin[from + 1];
+    return pairs;
+}
+
+// On the grid and over seams, in ascending order.
+void store_neighbors(TexelAtlas& atlas, const TexelPairs& over_seams) {
+    const auto find = [&](TexelId id, std::vector<TexelId>& found) {
+        found.clear();
+        for (const auto& [dx, dy] : {std::pair{0, -1}, {-1, 0}, {1, 0}, {0, 1}}) {
+            const TexelId other = grid_neighbor(atlas, atlas.texels[id], dx, dy);
+            if (other != kNoTexel) found.push_back(other);
+        }
+        auto pair =
+            std::lower_bound(over_seams.begin(), over_seams.end(), std::pair(id, TexelId(0)));
+        for (; pair != over_seams.end() && pair->first == id; ++pair) {
+            found.push_back(pair->second);
+        }
+        std::sort(found.begin(), found.end());
+        found.erase(std::unique(found.begin(), found.end()), found.end());
+    };
+    const std::size_t num_texels = atlas.texels.size();
+    atlas.neighbor_begin.assign(num_texels + 1, 0);
+    parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<TexelId> found;
+        for (std::size_t i = begin; i < end; ++i) {
+            find(TexelId(i), found);
+            atlas.neighbor_begin[i + 1] = std::uint32_t(found.size());
+        }
+    });
     std::partial_sum(
         atlas.neighbor_begin.begin(), atlas.neighbor_begin.end(), atlas.neighbor_begin.begin());
-    atlas.neighbors.resize(pairs.size());
-    std::transform(pairs.begin(), pairs.end(), atlas.neighbors.begin(), [](const auto& pair) {
-        return pair.second;
+    atlas.neighbors.resize(atlas.neighbor_begin.back());
+    parallel_blocks(num_texels, kParallelBlock, [&](std::size_t begin, std::size_t end) {
+        std::vector<TexelId> found;
+        for (std::size_t i = begin; i < end; ++i) {
+            find(TexelId(i), found);
+            std::copy(
+                found.begin(), found.end(), atlas.neighbors.begin() + atlas.neighbor_begin[i]);
+        }
     });
 }
 
@@ -231,18 +267,22 @@ void collect_texels(const Mesh& mesh,
                     const std::vector<Cell>& cells,
                     const std::vector<std::uint32_t>& charts,
                     TexelAtlas& atlas) {
+    TexelId num_texels = 0;
     for (std::size_t index = 0; index < cells.size(); ++index) {
+        if (!cells[index].has_center) continue;
+        atlas.cell_owner[index] = atlas.cell_texel[index] = num_texels++;
+    }
+    atlas.texels.resize(num_texels);
+    parallel_for(cells.size(), [&](std::size_t index) {
         const Cell& cell = cells[index];
-        if (!cell.has_center) continue;
-        atlas.cell_owner[index] = atlas.cell_texel[index] = TexelId(atlas.texels.size());
-        Texel texel;
+        if (!cell.has_center) return;
+        Texel& texel = atlas.texels[atlas.cell_texel[index]];
         texel.column = int(index % std::size_t(atlas.width));
         texel.row = int(index / std::size_t(atlas.width));
         texel.point = surface_point(mesh, cell.center_triangle, cell.center_barycentric);
         texel.area = cell.area;
         texel.chart = charts[cell.center_triangle];
-        atlas.texels.push_back(texel);
-    }
+    });
     for (std::size_t index = 0; index < cells.size(); ++index) {
         const Cell& cell = cells[index];
         if (cell.has_center || cell.area <= 0) continue;
@@ -275,12 +315,18 @@ TexelAtlas build_atlas(const Mesh& mesh, int width, int height) {
     atlas.cell_owner.assign(num_cells, kNoTexel);
     atlas.cell_texel.assign(num_cells, kNoTexel);
 
-    collect_texels(mesh, rasterize_cells(mesh, width, height), find_charts(mesh), atlas);
-
-    TexelPairs pairs;
-    add_grid_neighbors(atlas, pairs);
-    add_seam_neighbors(mesh, atlas, pairs);
-    store_neighbors(atlas, std::move(pairs));
+    std::vector<Cell> cells;
+    std::vector<std::uint32_t> charts;
+    std::vector<Seam> seams;
+    const std::array<std::function<void()>, 3> tasks = {
+        [&] { cells = rasterize_cells(mesh, width, height); },
+        [&] { charts = find_charts(mesh); },
+        [&] { seams = find_seams(mesh); },
+    };
+    parallel_for(
+        tasks.size(), [&](std::size_t task) { tasks[task](); }, 1);
+    collect_texels(mesh, cells, charts, atlas);
+    store_neighbors(atlas, seam_neighbors(mesh, atlas, seams));
     return atlas;
 }
 
