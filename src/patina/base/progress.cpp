@@ -2,19 +2,14 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <unistd.h>
 
 namespace patina {
 namespace {
 
-using Clock = std::chrono::steady_clock;
-
 constexpr auto kRedrawInterval = std::chrono::milliseconds(200);
-
-double seconds_since(Clock::time_point start) {
-    return std::chrono::duration<double>(Clock::now() - start).count();
-}
 
 std::string human_count(double value) {
     if (value >= 1e9) return fmt::format("{:.1f} G", value / 1e9);
@@ -30,51 +25,52 @@ std::string human_time(double seconds) {
 
 }  // namespace
 
+double Progress::Stage::elapsed() const {
+    return seconds + std::chrono::duration<double>(Clock::now() - start).count();
+}
+
 Progress::Mode Progress::detect(bool quiet) {
     if (quiet) return Mode::quiet;
     return isatty(STDERR_FILENO) != 0 ? Mode::terminal : Mode::plain;
 }
 
-Progress::Progress(Mode mode)
-    : mode_(mode), stage_start_(Clock::now()), last_drawn_(Clock::now()) {}
+Progress::Progress(Mode mode) : mode_(mode), last_drawn_(Clock::now()) {}
 
 Progress::~Progress() { clear_line(); }
 
 void Progress::begin_stage(const std::string& stage, std::uint64_t total, const std::string& unit) {
-    end_stage();
     const std::lock_guard lock(mutex_);
-    stage_ = stage;
-    unit_ = unit;
-    total_ = total;
-    done_ = 0;
-    stage_start_ = Clock::now();
+    if (!stages_.empty()) stages_.back().seconds = stages_.back().elapsed();
+    stages_.push_back({stage, unit, total, 0, 0, Clock::now()});
     draw(true);
 }
 
 void Progress::advance(std::uint64_t units) {
     const std::lock_guard lock(mutex_);
-    done_ += units;
+    if (!stages_.empty()) stages_.back().done += units;
     draw(false);
 }
 
 void Progress::end_stage(const std::string& message) {
     const std::lock_guard lock(mutex_);
-    if (stage_.empty()) return;
-    const double seconds = seconds_since(stage_start_);
-    bool known = false;
-    for (StageTime& time : times_) {
-        if (time.stage == stage_) {
-            time.seconds += seconds;
-            known = true;
-        }
+    if (stages_.empty()) return;
+    const std::string name = stages_.back().name;
+    const double seconds = stages_.back().elapsed();
+    stages_.pop_back();
+    if (!stages_.empty()) stages_.back().start = Clock::now();
+    const auto time = std::find_if(
+        times_.begin(), times_.end(), [&](const StageTime& other) { return other.stage == name; });
+    if (time == times_.end()) {
+        times_.push_back({name, seconds});
+    } else {
+        time->seconds += seconds;
     }
-    if (!known) times_.push_back({stage_, seconds});
     if (mode_ != Mode::quiet) {
         clear_line();
         const std::string what = message.empty() ? "" : ": " + message;
-        std::fputs(fmt::format("{}{} ({:.1f} s)\n", stage_, what, seconds).c_str(), stderr);
+        std::fputs(fmt::format("{}{} ({:.1f} s)\n", name, what, seconds).c_str(), stderr);
     }
-    stage_.clear();
+    draw(true);
 }
 
 void Progress::note(const std::string& message) {
@@ -91,17 +87,18 @@ std::vector<StageTime> Progress::stage_times() const {
 }
 
 void Progress::draw(bool force) {
-    if (mode_ != Mode::terminal || stage_.empty()) return;
+    if (mode_ != Mode::terminal || stages_.empty()) return;
     const auto now = Clock::now();
     if (!force && now - last_drawn_ < kRedrawInterval) return;
     last_drawn_ = now;
-    std::string line = stage_;
-    const double seconds = seconds_since(stage_start_);
-    if (total_ > 0 && done_ > 0) {
-        const double share = double(done_) / double(total_);
+    const Stage& stage = stages_.back();
+    std::string line = stage.name;
+    const double seconds = stage.elapsed();
+    if (stage.total > 0 && stage.done > 0) {
+        const double share = double(stage.done) / double(stage.total);
         line += fmt::format("  {:3.0f} %", 100 * share);
-        if (!unit_.empty() && seconds > 0) {
-            line += fmt::format("  {}{}/s", human_count(double(done_) / seconds), unit_);
+        if (!stage.unit.empty() && seconds > 0) {
+            line += fmt::format("  {}{}/s", human_count(double(stage.done) / seconds), stage.unit);
         }
         line += fmt::format("  {} left", human_time(seconds * (1 - share) / share));
     }

@@ -28,32 +28,41 @@ class Progress {
     Progress(const Progress&) = delete;
     Progress& operator=(const Progress&) = delete;
 
-    // Ends the stage before. total: units of work (0: unknown); unit: what they are, "photons".
+    // A stage that begins while another runs is a part of that one, which goes on when it ends and
+    // does not count its time. total: units of work (0: unknown); unit: what they are, "photons".
     void begin_stage(const std::string& stage,
                      std::uint64_t total = 0,
                      const std::string& unit = "");
     // Adds finished units. May be called from many threads.
     void advance(std::uint64_t units);
-    // Ends the running stage; message is what came out ("262144 texels, 12 shots").
+    // Ends the innermost stage, if any runs; message is what came out ("262144 texels, 12 shots").
     void end_stage(const std::string& message = "");
     // A remark that a user should read: one line of its own.
     void note(const std::string& message);
 
-    // Stages with the same name are added up, in order of their first appearance.
+    // Stages with the same name are added up, in order of their first end.
     [[nodiscard]] std::vector<StageTime> stage_times() const;
 
   private:
+    using Clock = std::chrono::steady_clock;
+    struct Stage {
+        std::string name;
+        std::string unit;
+        std::uint64_t total = 0;
+        std::uint64_t done = 0;
+        double seconds = 0;       // until a part of it began [s]
+        Clock::time_point start;  // or when its last part ended
+
+        [[nodiscard]] double elapsed() const;
+    };
+
     void draw(bool force);
     void clear_line();
 
     Mode mode_;
     mutable std::mutex mutex_;
-    std::string stage_;
-    std::string unit_;
-    std::uint64_t total_ = 0;
-    std::uint64_t done_ = 0;
-    std::chrono::steady_clock::time_point stage_start_;
-    std::chrono::steady_clock::time_point last_drawn_;
+    std::vector<Stage> stages_;  // the innermost last
+    Clock::time_point last_drawn_;
     std::vector<StageTime> times_;
 };
 

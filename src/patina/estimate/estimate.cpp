@@ -79,12 +79,12 @@ class Iteration {
                       const std::string& stage,
                       bool with_specular,
                       double tolerance) {
+        progress_.begin_stage("method " + stage, std::uint64_t(options_.max_iterations), "turns");
         result_.converged = false;
         double previous_error = kInfinity;
         int turn = 0;
         for (; turn < options_.max_iterations && !result_.converged; ++turn) {
             indirect_ = engine.evaluate(result_.maps, observations_.seen, with_specular);
-            if (turn == 0) progress_.begin_stage("method " + stage);
             const IterationLog log = take_turn(stage, indirect_, true, turn);
             const double error_change =
                 std::abs(log.error - previous_error) / std::max(log.error, 1e-300);
@@ -92,6 +92,7 @@ class Iteration {
             result_.converged =
                 (log.change < tolerance && error_change < tolerance && !log.retraced) ||
                 log.error < options_.threshold;
+            progress_.advance(1);
         }
         progress_.end_stage(last_turn());
         if (!result_.converged) {

@@ -46,6 +46,7 @@ Json render_capture(const fs::path& capture_path,
     const Result result = read_result(result_path);
     multiply_lamps(result.lamp_factor, capture.description);
     const ShotRenderer renderer(capture, result.maps, result_path.string());
+    progress.end_stage();
     const std::size_t num_shots = capture.description.shots.size();
     std::uint64_t num_paths = 0;
     for (std::size_t i = 0; i < num_shots; ++i) num_paths += renderer.num_paths(i, options);
