@@ -9,6 +9,7 @@
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/texel_turn.h"
 #include "patina/math/statistics.h"
+#include "patina/reflectance/albedo_table.h"
 
 #include <fmt/format.h>
 
@@ -324,6 +325,8 @@ Estimate estimate_reflectance(const Capture& capture,
                               const EstimateOptions& options,
                               Progress& progress) {
     validate(options);
+    // By all threads; at the first call inside of a loop one would build it and the others wait.
+    static_cast<void>(albedo_table());
     progress.begin_stage("acceleration structure");
     const Tracer tracer(capture.mesh);
     const Surface surface{&capture.mesh, &tracer};

@@ -32,7 +32,8 @@ bool regress(const TexelAtlas& atlas,
         const Vec3 b = basis(texels[k]);
         matrix += double(weights[k]) * b * b.transpose();
     }
-    const Eigen::SelfAdjointEigenSolver<Mat3> solver(matrix);
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(matrix, Eigen::EigenvaluesOnly);
     if (!(solver.eigenvalues()[0] > kMinCondition * solver.eigenvalues()[2])) return false;
     const Vec3 plane = matrix.ldlt().solve(Vec3::UnitX());
     for (std::size_t k = 0; k < texels.size(); ++k) {
