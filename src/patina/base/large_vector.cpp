@@ -2,6 +2,7 @@
 
 #include "patina/base/parallel.h"
 
+#include <algorithm>
 #include <cstdlib>
 #include <memory>
 #include <sys/mman.h>
@@ -27,15 +28,15 @@ void touch(std::byte* memory, std::size_t size) {
 
 }  // namespace
 
-void* allocate_large(std::size_t size) {
-    const std::size_t alignment = size < kHugePage ? kLine : kHugePage;
-    if (size > std::size_t(-1) - alignment) throw std::bad_alloc();
-    const std::size_t whole = (size + alignment - 1) / alignment * alignment;
-    std::unique_ptr<void, decltype(&free_large)> memory(std::aligned_alloc(alignment, whole),
+void* allocate_large(std::size_t size, std::size_t alignment) {
+    const std::size_t unit = size < kHugePage ? std::max(kLine, alignment) : kHugePage;
+    if (size > std::size_t(-1) - unit) throw std::bad_alloc();
+    const std::size_t whole = (size + unit - 1) / unit * unit;
+    std::unique_ptr<void, decltype(&free_large)> memory(std::aligned_alloc(unit, whole),
                                                         free_large);
     if (memory == nullptr) throw std::bad_alloc();
     // A wish: systems without huge pages go on with small ones.
-    if (alignment == kHugePage) static_cast<void>(madvise(memory.get(), whole, MADV_HUGEPAGE));
+    if (unit == kHugePage) static_cast<void>(madvise(memory.get(), whole, MADV_HUGEPAGE));
     if (whole >= kWorthThreads) touch(static_cast<std::byte*>(memory.get()), whole);
     return memory.release();
 }

@@ -9,9 +9,9 @@
 
 namespace patina {
 
-// At least size bytes, aligned to at least 64. Throws std::bad_alloc, and Interrupted when the user
-// asked to stop.
-[[nodiscard]] void* allocate_large(std::size_t size);
+// At least size bytes, aligned to at least 64 and `alignment`, a power of two of at most 2 MiB.
+// Throws std::bad_alloc, and Interrupted when the user asked to stop.
+[[nodiscard]] void* allocate_large(std::size_t size, std::size_t alignment);
 void free_large(void* memory) noexcept;
 
 template <typename T>
@@ -24,7 +24,7 @@ struct LargeAllocator {
 
     [[nodiscard]] T* allocate(std::size_t count) {
         if (count > std::size_t(-1) / sizeof(T)) throw std::bad_array_new_length();
-        return static_cast<T*>(allocate_large(count * sizeof(T)));
+        return static_cast<T*>(allocate_large(count * sizeof(T), alignof(T)));
     }
     void deallocate(T* memory, std::size_t /*count*/) noexcept { free_large(memory); }
 

@@ -5,6 +5,7 @@
 
 #include <cstdint>
 #include <numeric>
+#include <vector>
 
 namespace patina {
 namespace {
@@ -27,6 +28,20 @@ TEST(LargeVector, HoldsAndAlignsSmallAndHugeOnes) {
     }
 }
 
+// Aligned by chance, one of many would not be.
+TEST(LargeVector, AlignsElementsThatAskForMore) {
+    struct alignas(256) Wide {
+        char value[256];
+    };
+    std::vector<LargeVector<Wide>> all(20);
+    std::vector<LargeVector<char>> between(all.size());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        all[i].resize(i + 1);
+        between[i].resize(64);
+        EXPECT_EQ(reinterpret_cast<std::uintptr_t>(all[i].data()) % 256, 0u);
+    }
+}
+
 TEST(LargeVector, GrowsAndMoves) {
     LargeVector<int> numbers;
     for (int i = 0; i < 1'000'000; ++i) numbers.push_back(i);
@@ -37,7 +52,7 @@ TEST(LargeVector, GrowsAndMoves) {
 
 TEST(LargeVector, RefusesWhatNoMemoryHolds) {
     EXPECT_THROW((void)LargeAllocator<Line>().allocate(std::size_t(-1) / 8), std::bad_alloc);
-    EXPECT_THROW((void)allocate_large(std::size_t(-1) - 1), std::bad_alloc);
+    EXPECT_THROW((void)allocate_large(std::size_t(-1) - 1, 64), std::bad_alloc);
 }
 
 }  // namespace
