@@ -121,7 +121,7 @@ inline const double kChannelBias =
         return trace_indirect_irradiance(channel.scene.surface(),
                                          field,
                                          channel.scene.lights,
-                                         0,
+                                         channel.atlas.texels[texel].azimuth,
                                          channel.atlas.texels[texel].point,
                                          options,
                                          sampler)

@@ -75,9 +75,11 @@ GatherEngine::GatherEngine(const Surface& surface,
         block.lights.push_back(&lamp);
         block.direct.push_back(&scene.direct[light]);
     }
-    num_standing_ = blocks[0].size();
+    const std::size_t num_standing = blocks[0].size();
     const std::size_t num_turning = blocks[1].size();
-    narrow_.emplace(surface, atlas, blocks[0], narrow_lobe_options(options));
+    std::vector<LampBlock> all_blocks = blocks[0];
+    all_blocks.insert(all_blocks.end(), blocks[1].begin(), blocks[1].end());
+    narrow_.emplace(surface, atlas, std::move(all_blocks), narrow_lobe_options(options));
     for (const std::size_t turning : {0u, 1u}) {
         // Those that turn take shadow rays, so they are the first to be kept.
         const std::size_t num_before = turning == 1 ? 0 : num_turning;
@@ -91,7 +93,7 @@ GatherEngine::GatherEngine(const Surface& surface,
         std::vector<LampPlace>& places = places_.emplace_back();
         for (const std::size_t light : set.indices) {
             const auto [block, lane] = lane_of.at(light);
-            places.push_back({block / 2 + (block % 2 == 1 ? num_standing_ : 0),
+            places.push_back({block / 2 + (block % 2 == 1 ? num_standing : 0),
                               lane,
                               lamp_color(*scene.lights[light]).cast<float>()});
         }
@@ -173,15 +175,7 @@ void GatherEngine::add_photons(std::size_t block,
         const std::size_t view = scene_.camera_of_shot[shot];
         for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
             if (place.block != block) continue;
-            const std::vector<IndirectLobe> lobe =
-                narrow_->lobe(block, place.lane, views_[view], maps, wanted);
-            parallel_for(lobe.size(), [&](std::size_t i) {
-                if (wanted[i] == 0) return;
-                IndirectLobe& sum = light.lobe[shot][i];
-                sum.half += lobe[i].half;
-                sum.same += lobe[i].same;
-                sum.twice += lobe[i].twice;
-            });
+            narrow_->add_lobe(block, place.lane, views_[view], maps, wanted, light.lobe[shot]);
         }
     }
 }
@@ -201,12 +195,9 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
                             bool settled) {
     const std::size_t num_texels = atlas_.texels.size();
     light.retraced = with_specular && narrow_->follow(maps);
-    // What photons carry of standing lamps.
-    const std::span<const float> carried =
+    const std::span<const float> by_photons =
         with_specular ? narrow_->shares() : std::span<const float>();
-    const RadiantTexels texels(atlas_, maps, with_specular);
-    std::optional<RadiantTexels> rest;
-    if (!carried.empty()) rest.emplace(atlas_, maps, with_specular, carried);
+    const RadiantTexels texels(atlas_, maps, with_specular, by_photons);
     light.irradiance.resize(places_.size());
     light.lobe.resize(with_specular ? scene_.shots.size() : 0);
     parallel_for(
@@ -227,15 +218,13 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
         }
     }
     // What photons bring is not among what a sweep gathers, so that the step would be wrong.
-    const float step = next_step(settled && !rest);
+    const float step = next_step(settled && by_photons.empty());
     std::vector<double> mean(num_texels, 0.0);
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
-        const bool has_photons = rest && block < num_standing_;
-        const RadiantTexels& of_block = has_photons ? *rest : texels;
-        blocks_[block].sweep(graph_, of_block, filter_, swept_, step);
-        if (has_photons) add_photons(block, maps, glossy, light);
+        blocks_[block].sweep(graph_, texels, filter_, swept_, step);
+        if (!by_photons.empty()) add_photons(block, maps, glossy, light);
         add_irradiance(block, swept_.halves, light.irradiance);
-        if (with_specular) add_lobes(block, of_block, maps, glossy, light.lobe);
+        if (with_specular) add_lobes(block, texels, maps, glossy, light.lobe);
         blocks_[block].end_sweep();
         parallel_for(mean.size(), [&](std::size_t i) {
             for (const IndirectLanes& half : swept_.halves) {

@@ -33,9 +33,9 @@ class GatherEngine final : public IndirectEngine {
                  Progress& progress,
                  std::size_t kept_blocks = std::numeric_limits<std::size_t>::max());
 
-    // One more bounce under the present maps, what narrow lobes send on of standing lamps by
-    // photons (light.retraced: they were traced for it). light.spectral_radius: how much of the
-    // indirect light's last change the next one keeps (power iteration); 0 at first.
+    // One more bounce under the present maps, what narrow lobes send on of the lamps by photons
+    // (light.retraced: they were traced for it). light.spectral_radius: how much of the indirect
+    // light's last change the next one keeps (power iteration); 0 at first.
     [[nodiscard]] IndirectLight evaluate(std::span<const Reflectance> maps,
                                          std::span<const std::uint8_t> seen,
                                          bool with_specular) override;
@@ -84,8 +84,7 @@ class GatherEngine final : public IndirectEngine {
     GatherGraph graph_;
     SurfaceFilter filter_;
     std::vector<LampBlockLight>
-        blocks_;                    // first those of lamps that stand, then of those that turn
-    std::size_t num_standing_ = 0;  // blocks
+        blocks_;  // first those of lamps that stand, then of those that turn
     std::vector<std::vector<LampPlace>> places_;  // per lamp set, per lamp
     SweptLight swept_;
     std::optional<NarrowLobes> narrow_;

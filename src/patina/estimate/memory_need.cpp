@@ -80,10 +80,13 @@ MemoryCounts count_work(const Capture& capture,
         expect_gather_hits(surface, capture.atlas, view_directions(scene), options.gather);
     counts.filter_radius = options.filter_radius;
     const double rays = double(counts.texels) * double(options.gather.rays);
-    counts.photons_of_lamp =
-        NarrowLobes::expect_bytes(counts.texels,
-                                  rays > 0 ? counts.hits.irradiance.hits / rays : 0,
-                                  narrow_lobe_options(options));
+    const double hit_share = rays > 0 ? counts.hits.irradiance.hits / rays : 0;
+    const auto photons_of_lamp = [&](bool turning) {
+        return NarrowLobes::expect_bytes(
+            counts.texels, hit_share, turning, narrow_lobe_options(options));
+    };
+    counts.photons = double(counts.standing_lamps) * photons_of_lamp(false) +
+                     double(counts.lamps - counts.standing_lamps) * photons_of_lamp(true);
     return counts;
 }
 
@@ -131,7 +134,7 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
         sizeof(std::size_t);
     need.light = texels * (2 * sizeof(Rgbf) * double(counts.lamp_sets) +
                            sizeof(IndirectLobe) * shots + sweep + filter);
-    need.photons = counts.photons_of_lamp * double(counts.standing_lamps);
+    need.photons = counts.photons;
     need.texels = kTexelBytes * texels;
     need.peak = counts.held + need.views + need.looks +
                 std::max({need.images,

@@ -12,8 +12,7 @@
 //     lanes      H TurningHit for each block of 8 lamps that turn with the scanner,
 //                H StandingHit + T LitTexel for each one that stands, 160 T for either
 //     light      T (24 M + IndirectLobe S) + 448 T while a block is swept
-//     photons    for each lamp that stands still, were all lobes narrow:
-//                NarrowLobes::expect_bytes()
+//     photons    for each lamp, were all lobes narrow: NarrowLobes::expect_bytes()
 //     texels     kTexelBytes T
 //
 //     peak = held + views + looks
@@ -48,7 +47,7 @@ struct MemoryCounts {
     double filter_radius = 0;      // [texels]
     LookCount looks;
     GatherHitCount hits;
-    double photons_of_lamp = 0;  // for narrow lobes [bytes]
+    double photons = 0;  // for narrow lobes [bytes]
 };
 
 // All in bytes.

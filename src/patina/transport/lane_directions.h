@@ -18,6 +18,13 @@ struct LaneDirection {
     float x, y, z;
 };
 
+// Of w about the normal, both unit; cosine: between them [-].
+[[nodiscard]] inline LaneDirection lane_mirror(const LaneDirection& normal,
+                                               const LaneDirection& w,
+                                               float cosine) {
+    return {2 * cosine * normal.x - w.x, 2 * cosine * normal.y - w.y, 2 * cosine * normal.z - w.z};
+}
+
 // is_lobe: of the von Mises-Fisher distribution about the axis, else of the density cos/pi. axis:
 // unit. u, v: in [0, 1). concentration: kappa of the distribution [-].
 [[nodiscard]] inline LaneDirection lane_direction(

@@ -22,18 +22,22 @@ constexpr double kMinGuideShare = 0.1;
 // lobe has become 1.8 times as wide, and seven photons of eight still count.
 constexpr double kGuideWidth = 1.25;
 // Narrow lobes that send on less than this of all reflected light are left to the sweeps: if sigma
-// is 0.03, these then err by 2 % of the light in the mean square, no more than photons do.
+// is as below, these then err by 2 % of the light in the mean square, no more than photons do. Of
+// wider lobes by so much less as they are wider.
 constexpr double kWorthwhile = 1e-3;
+constexpr double kWorthwhileSigma = 0.03;  // [rad]
 // Photons are traced anew when their effective number has fallen below this share.
 constexpr double kMinEffectiveShare = 0.5;
 
 // What texels reflect, weighted by their area [length^2].
 struct Reflected {
     double narrow = 0;  // images that photons are to carry
+    double noisy = 0;   // of them, weighted by how much sweeps err of them
     double guided = 0;  // of them, those on which photons start
     double all = 0;
     Reflected& operator+=(const Reflected& other) {
         narrow += other.narrow;
+        noisy += other.noisy;
         guided += other.guided;
         all += other.all;
         return *this;
@@ -42,6 +46,13 @@ struct Reflected {
 
 // Chords between unit vectors in single precision err by less [-].
 constexpr float kChordRounding = 1e-5f;
+
+// For one lamp.
+std::uint64_t num_photons(double num_texels, bool turning, const NarrowLobeOptions& options) {
+    const double per_texel =
+        turning ? options.photons_per_turning_texel : options.photons_per_texel;
+    return std::clamp<std::uint64_t>(std::uint64_t(per_texel * num_texels), 2, options.max_photons);
+}
 
 bool has_narrow_lobe(const Reflectance& map) {
     return map.specular > 0 && map.roughness < kWidestGuide;
@@ -76,11 +87,12 @@ bool NarrowLobes::follow(std::span<const Reflectance> maps) {
         const double lobe = map.specular * max_lobe_albedo(map.roughness);
         Reflected sum;
         sum.narrow = area * photon_share(map.roughness) * lobe;
+        sum.noisy = sum.narrow * kWorthwhileSigma / map.roughness;
         sum.guided = !photons_.empty() && guided_[i] != 0 ? sum.narrow : 0;
         sum.all = area * (map.diffuse.mean() + lobe);
         return sum;
     });
-    const bool worthwhile = reflected.narrow > kWorthwhile * reflected.all;
+    const bool worthwhile = reflected.noisy > kWorthwhile * reflected.all;
     if (!photons_.empty()) {
         const double effective = weigh(maps);
         // Lobes that have become narrow since photons were traced count as photons that are
@@ -100,18 +112,16 @@ void NarrowLobes::trace(std::span<const Reflectance> maps) {
     const std::size_t num_texels = maps.size();
     std::vector<Reflectance> guide(num_texels);
     guided_.assign(num_texels, 0);
-    std::size_t num_guided = 0;
+    double num_carried = 0;  // texels whose images photons carry, by share
     for (std::size_t i = 0; i < num_texels; ++i) {
         if (!has_narrow_lobe(maps[i])) continue;
         const double share = std::max(kMinGuideShare, photon_share(maps[i].roughness));
         guide[i].specular = share * maps[i].specular;
         guide[i].roughness = kGuideWidth * maps[i].roughness;
         guided_[i] = 1;
-        ++num_guided;
+        num_carried += share;
     }
     PhotonOptions options;
-    options.photons = std::clamp<std::uint64_t>(
-        std::uint64_t(options_.photons_per_texel * double(num_guided)), 2, options_.max_photons);
     options.seed = options_.seed;
     options.max_bounces = 1;
     options.min_guide_albedo = 0;
@@ -123,7 +133,10 @@ void NarrowLobes::trace(std::span<const Reflectance> maps) {
     for (std::size_t block = 0; block < blocks_.size(); ++block) {
         const LampBlock& lamps = blocks_[block];
         for (std::size_t lane = 0; lane < lamps.size(); ++lane) {
+            options.exact_columns = lamps.lights[lane]->frame == FrameOfReference::scanner;
+            options.photons = num_photons(num_carried, options.exact_columns, options_);
             LampSet set;
+            set.turns_with_scanner = options.exact_columns;
             set.lights = {lamps.lights[lane]};
             set.direct = {lamps.direct[lane]};
             PhotonPaths& paths = photons_[block].emplace_back().paths;
@@ -214,11 +227,12 @@ NarrowLobes::Irradiance NarrowLobes::irradiance(std::size_t block) const {
     return result;
 }
 
-std::vector<IndirectLobe> NarrowLobes::lobe(std::size_t block,
-                                            std::size_t lane,
-                                            std::span<const Vec3f> w_v,
-                                            std::span<const Reflectance> maps,
-                                            std::span<const std::uint8_t> wanted) const {
+void NarrowLobes::add_lobe(std::size_t block,
+                           std::size_t lane,
+                           std::span<const Vec3f> w_v,
+                           std::span<const Reflectance> maps,
+                           std::span<const std::uint8_t> wanted,
+                           std::span<IndirectLobe> sum) const {
     const LampPhotons& lamp = photons_[block][lane];
     // Most narrow lobes look past all that arrives: the triangle inequality tells.
     std::vector<std::uint8_t> meets(wanted.size());
@@ -231,17 +245,17 @@ std::vector<IndirectLobe> NarrowLobes::lobe(std::size_t block,
             lobe_reach_chord(float(maps[i].roughness)) + cone.chord + kChordRounding;
         meets[i] = (mirror - cone.axis).squaredNorm() <= square(reach);
     });
-    return indirect_lobe(kernel_, lamp.paths, lamp.power, atlas_, w_v, maps, meets);
+    add_indirect_lobe(kernel_, lamp.paths, lamp.power, atlas_, w_v, maps, meets, sum);
 }
 
 double NarrowLobes::expect_bytes(std::size_t num_texels,
                                  double hit_share,
+                                 bool turning,
                                  const NarrowLobeOptions& options) {
     constexpr double kArrival = sizeof(PhotonPaths::Path) + sizeof(PhotonBounce) +
                                 sizeof(std::uint32_t) + sizeof(std::uint8_t) + sizeof(Vec3f) +
                                 sizeof(Rgbf);
-    const double photons =
-        std::min(options.photons_per_texel * double(num_texels), double(options.max_photons));
+    const double photons = double(num_photons(double(num_texels), turning, options));
     return hit_share * photons * kArrival +
            double(num_texels) * (sizeof(ArrivalCone) + sizeof(std::uint32_t));
 }

@@ -8,7 +8,8 @@
 //
 // Photons start at lit texels with narrow lobes, are reflected once, by the lobe, and count where
 // they arrive. They are traced once, weighted again as the maps change, and traced anew when too
-// few of them still count. For lamps that stand still: docs/theory.md, "Narrow lobes", says why.
+// few of them still count. Those of lamps that turn with the scanner count for the column where
+// they arrive (photon_columns.h). docs/theory.md, "Narrow lobes", says why.
 #pragma once
 
 #include "patina/base/large_vector.h"
@@ -25,7 +26,10 @@
 namespace patina {
 
 struct NarrowLobeOptions {
-    double photons_per_texel = 4;           // for each lamp and texel with a narrow lobe; > 0
+    // For each lamp and texel whose lobe is all theirs, of others in proportion to their share; >
+    // 0. Of those of a lamp that turns fewer count.
+    double photons_per_texel = 4;
+    double photons_per_turning_texel = 8;
     std::uint64_t max_photons = 2'000'000;  // for each lamp; >= 2
     std::uint64_t seed = 1;                 // any
     double kernel_radius = 4;               // largest, see RatioKernelOptions [texels]; > 0
@@ -41,7 +45,7 @@ class NarrowLobes {
     // stands for all of the light [1/length^2; 1 for directional lamps].
     using Irradiance = LargeVector<std::array<Lanes, 2>>;
 
-    // blocks: lamps that stand still. Keeps references to the atlas, to what the surface and the
+    // Keeps references to the atlas, to what the surface and the
     // blocks point to.
     NarrowLobes(const Surface& surface,
                 const TexelAtlas& atlas,
@@ -61,17 +65,19 @@ class NarrowLobes {
 
     // One entry per texel. Only where there are photons.
     [[nodiscard]] Irradiance irradiance(std::size_t block) const;
-    // The same light of one lamp, in its own color, seen through lobes: see indirect_lobe().
-    [[nodiscard]] std::vector<IndirectLobe> lobe(std::size_t block,
-                                                 std::size_t lane,
-                                                 std::span<const Vec3f> w_v,
-                                                 std::span<const Reflectance> maps,
-                                                 std::span<const std::uint8_t> wanted) const;
+    // The same light of one lamp, in its own color, seen through lobes: see add_indirect_lobe().
+    void add_lobe(std::size_t block,
+                  std::size_t lane,
+                  std::span<const Vec3f> w_v,
+                  std::span<const Reflectance> maps,
+                  std::span<const std::uint8_t> wanted,
+                  std::span<IndirectLobe> sum) const;
 
-    // Bytes that the photons of one lamp take, were all lobes narrow, where this share of the
-    // directions from a texel meets the surface.
+    // Bytes that the photons of one lamp take at most, were all lobes narrow, where this share of
+    // the directions from a texel meets the surface.
     [[nodiscard]] static double expect_bytes(std::size_t num_texels,
                                              double hit_share,
+                                             bool turning,
                                              const NarrowLobeOptions& options);
 
   private:

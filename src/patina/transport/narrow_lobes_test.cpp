@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "support/channel.h"
-#include "support/gathered_light.h"
+#include "support/narrow_channel.h"
 #include "support/same_bytes.h"
 #include <cmath>
 #include <memory>
@@ -12,56 +11,6 @@ namespace patina {
 namespace {
 
 constexpr std::size_t kNumRuns = 64;  // independent graphs and sets of photons
-constexpr std::size_t kNumPlates = 3;
-constexpr int kFine = 2;  // texels along a side of one of Channel's
-
-// sigma of the plates: by the sweeps, by photons, and by both.
-constexpr std::array<double, kNumPlates> kRoughness = {0.2, 0.05, 0.12};
-constexpr double kLobeAlbedo = 0.3;  // 2 sigma^2 Ps, at normal incidence
-
-// The channel in finer texels, its plates black but for their lobes, so that what they send on of
-// the lamps is all light, and every texel of it counts.
-struct NarrowChannel : Channel {
-    NarrowChannel() {
-        atlas = build_atlas(scene.mesh, kFine * 3 * kPitch, kFine * kSide);
-        direct.clear();
-        for (const Light& light : scene.lights) {
-            direct.push_back(direct_light(scene.surface(), atlas, light));
-        }
-        maps.clear();
-        for (TexelId texel = 0; texel < atlas.texels.size(); ++texel) {
-            const auto plate = std::size_t(atlas.texels[texel].column / (kFine * kPitch));
-            plates[plate].push_back(texel);
-            const double sigma = kRoughness[plate];
-            maps.push_back({Rgb::Zero(), kLobeAlbedo / (2 * square(sigma)), sigma});
-        }
-    }
-    [[nodiscard]] LampBlock lamps() const { return lamp_block(scene.lights, direct); }
-    // Photons that count for the texel alone that they reach.
-    [[nodiscard]] NarrowLobes narrow_lobes(std::uint64_t seed) const {
-        NarrowLobeOptions options;
-        options.seed = seed;
-        options.kernel_radius = 0.5;
-        return {scene.surface(), atlas, {lamps()}, options};
-    }
-    // In the mean over the channels, of all lamps together.
-    [[nodiscard]] double sum_of(const std::array<Lanes, 2>& halves) const {
-        double sum = 0;
-        for (std::size_t lamp = 0; lamp < scene.lights.size(); ++lamp) {
-            const double strength = lamp_color(scene.lights[lamp]).maxCoeff();
-            sum += strength * 0.5 * double(halves[0][lamp] + halves[1][lamp]);
-        }
-        return sum;
-    }
-    // Light that is computed for the centres of texels where it starts and as a mean over them
-    // where it arrives errs twice (texel_centre_bias()).
-    [[nodiscard]] static double bias(double sigma) {
-        return 2 * texel_centre_bias(1.0 / (kFine * kSide), sigma, 0.7);
-    }
-
-    std::array<std::vector<TexelId>, kNumPlates> plates;
-};
-
 class NarrowLobesOfAChannel : public testing::Test {
   protected:
     // What the lamps send to the plates over one lobe, per run.
@@ -81,36 +30,17 @@ class NarrowLobesOfAChannel : public testing::Test {
 
     static void add_run(std::uint64_t seed) {
         const NarrowChannel& channel = *channel_;
-        const Surface surface = channel.scene.surface();
-        GatherOptions gather;
-        gather.rays = 16;
-        gather.seed = seed;
-        Progress progress;
-        const GatherGraph graph = trace_gather_graph(surface, channel.atlas, {}, gather, progress);
-        const SurfaceFilter filter = no_filter(channel.atlas.texels.size());
+        const GatherGraph graph = channel.graph(seed);
         NarrowLobes narrow = channel.narrow_lobes(seed);
         ASSERT_TRUE(narrow.follow(channel.maps));
-        const auto swept = [&](std::span<const float> left_out) {
-            LampBlockLight light(surface, channel.atlas, graph, channel.lamps(), false);
-            SweptLight result;
-            light.sweep(
-                graph, RadiantTexels(channel.atlas, channel.maps, true, left_out), filter, result);
-            return result;
-        };
-        const SweptLight rest = swept(narrow.shares());
-        const SweptLight all = swept({});
+        const SweptLight rest = channel.swept(graph, narrow.shares());
+        const SweptLight all = channel.swept(graph, {});
         const NarrowLobes::Irradiance photons = narrow.irradiance(0);
-        const auto mean_of = [&](std::size_t plate, const SweptLight& light) {
-            return mean_over(channel.plates[plate], [&](TexelId texel) {
-                return channel.sum_of({light.halves[0][texel][0], light.halves[1][texel][0]});
-            });
-        };
         for (std::size_t plate = 0; plate < kNumPlates; ++plate) {
-            runs_->rest[plate].push_back(mean_of(plate, rest));
-            runs_->all_swept[plate].push_back(mean_of(plate, all));
-            runs_->photons[plate].push_back(mean_over(channel.plates[plate], [&](TexelId texel) {
-                return channel.sum_of(photons[texel]);
-            }));
+            const std::vector<TexelId>& texels = channel.plates[plate];
+            runs_->rest[plate].push_back(channel.swept_mean(texels, rest));
+            runs_->all_swept[plate].push_back(channel.swept_mean(texels, all));
+            runs_->photons[plate].push_back(channel.photon_mean(texels, photons));
         }
     }
     // By path tracing.
@@ -191,8 +121,7 @@ TEST_F(NarrowLobesOfAChannel, FollowMapsThatMove) {
                                fresh.shares().begin(),
                                fresh.shares().end()));
         const auto on_floor = [&](const NarrowLobes::Irradiance& light) {
-            return mean_over(channel_->plates[0],
-                             [&](TexelId texel) { return channel_->sum_of(light[texel]); });
+            return channel_->photon_mean(channel_->plates[0], light);
         };
         old_photons.push_back(on_floor(followed.irradiance(0)));
         new_photons.push_back(on_floor(fresh.irradiance(0)));
@@ -228,7 +157,8 @@ TEST_F(NarrowLobesOfAChannel, AreSeenThroughALobeAsThePathTracerSeesThem) {
         (void)narrow.follow(maps);
         double sum = 0;
         for (std::size_t lamp = 0; lamp < channel_->scene.lights.size(); ++lamp) {
-            const auto lobe = narrow.lobe(0, lamp, view, maps, wanted);
+            std::vector<IndirectLobe> lobe(maps.size());
+            narrow.add_lobe(0, lamp, view, maps, wanted, lobe);
             sum +=
                 mean_over(middle, [&](TexelId texel) { return double(lobe[texel].same.mean()); });
         }
@@ -269,8 +199,12 @@ TEST_F(NarrowLobesOfAChannel, AreTheSameForAnyNumberOfThreads) {
     EXPECT_TRUE(same_bytes(one.irradiance(0), two.irradiance(0)));
     const std::vector<Vec3f> view(channel_->maps.size(), Channel::towards_camera().cast<float>());
     const std::vector<std::uint8_t> wanted(channel_->maps.size(), 1);
-    EXPECT_TRUE(same_bytes(one.lobe(0, 0, view, channel_->maps, wanted),
-                           two.lobe(0, 0, view, channel_->maps, wanted)));
+    const auto seen = [&](const NarrowLobes& narrow) {
+        std::vector<IndirectLobe> lobe(channel_->maps.size());
+        narrow.add_lobe(0, 0, view, channel_->maps, wanted, lobe);
+        return lobe;
+    };
+    EXPECT_TRUE(same_bytes(seen(one), seen(two)));
 }
 
 TEST(NarrowLobes, CostNothingWhereThereAreNone) {

@@ -1,11 +1,14 @@
 #include "patina/transport/photon_paths.h"
 
+#include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/transport/photon_columns.h"
 #include "patina/transport/photon_join.h"
 #include "patina/transport/photon_wave.h"
 
 #include <algorithm>
 #include <memory>
+#include <optional>
 
 namespace patina {
 namespace {
@@ -38,13 +41,23 @@ PhotonPaths trace_photons(const PhotonScene& scene,
                           std::uint32_t stream,
                           Progress& progress) {
     std::vector<PhotonBlock> blocks;
+    std::optional<PhotonColumns> columns;
+    if (options.exact_columns) {
+        PATINA_CHECK(lamps.turns_with_scanner && options.max_bounces == 1);
+        PATINA_CHECK_EQ(lamps.lights.size(), 1u);
+        columns.emplace(scene, *lamps.lights.front());
+    }
     const PhotonNumbers numbers(options.seed, stream);
     const PhotonStart start(scene, lamps, options, numbers);
     if (start.has_light()) {
         blocks.resize((options.photons + kPhotonsPerBlock - 1) / kPhotonsPerBlock);
         parallel_blocks(options.photons, kPhotonsPerBlock, [&](std::size_t begin, std::size_t end) {
-            const auto wave = std::make_unique<PhotonWave>(
-                scene, start, numbers, options, lamps.turns_with_scanner);
+            const auto wave = std::make_unique<PhotonWave>(scene,
+                                                           start,
+                                                           numbers,
+                                                           options,
+                                                           lamps.turns_with_scanner,
+                                                           columns ? &*columns : nullptr);
             PhotonStart::Cursor cursor(start, begin);
             for (std::size_t first = begin; first < end; first += kWaveSize) {
                 wave->follow(first,

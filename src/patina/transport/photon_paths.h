@@ -30,6 +30,9 @@ struct PhotonOptions {
     float min_guide_albedo = 0.02f;
     double azimuth_window = radians(
         12.0);  // half width of the columns that a photon of a turning lamp counts for [rad]; > 0
+    // One turning lamp, a guide without a diffuse part and max_bounces = 1: photons count for the
+    // column where they arrive alone, and as the lamp stands for it (photon_columns.h).
+    bool exact_columns = false;
 };
 
 // One reflection and the arrival after it.

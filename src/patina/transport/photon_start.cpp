@@ -1,6 +1,7 @@
 #include "patina/transport/photon_start.h"
 
 #include "patina/base/parallel.h"
+#include "patina/transport/photon_columns.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,6 +21,11 @@ constexpr double kUnlitImportance = 0.2;
 
 constexpr float kInverseTurn = float(1 / (2 * kPi));
 
+// See LaneLightSample::strength.
+const Rgb& emitted(const Light& light) {
+    return light.type == LightType::point ? light.intensity : light.irradiance;
+}
+
 }  // namespace
 
 PhotonStart::PhotonStart(const PhotonScene& scene,
@@ -38,7 +44,10 @@ PhotonStart::PhotonStart(const PhotonScene& scene,
 std::vector<double> PhotonStart::importance() const {
     const std::size_t num_texels = scene_.num_texels();
     double unlit = 0;
-    if (lamps_.turns_with_scanner && num_texels > 0) {
+    if (options_.exact_columns) {
+        // A texel is lit from every azimuth at which a photon of it may arrive.
+        unlit = emitted(*lamps_.lights.front()).maxCoeff() > 0 ? 1.0 : 0.0;
+    } else if (lamps_.turns_with_scanner && num_texels > 0) {
         for (const auto* direct : lamps_.direct) {
             unlit += ordered_reduce(num_texels, 0.0, [&](std::size_t i) {
                 return double((*direct)[i].irradiance.mean());
@@ -49,8 +58,9 @@ std::vector<double> PhotonStart::importance() const {
     std::vector<double> result(num_texels);
     parallel_for(num_texels, [&](std::size_t i) {
         double irradiance = unlit;
-        for (const auto* direct : lamps_.direct)
-            irradiance += double((*direct)[i].irradiance.mean());
+        for (const auto* direct : lamps_.direct) {
+            if (!options_.exact_columns) irradiance += double((*direct)[i].irradiance.mean());
+        }
         const PhotonTexel& texel = scene_.texel(TexelId(i));
         result[i] = irradiance * double(texel.area) *
                     double(std::max(texel.mean_albedo, options_.min_guide_albedo));
@@ -124,7 +134,12 @@ void PhotonStart::fill(std::uint64_t first_photon,
     }
     std::fill_n(lanes.survival.begin(), count, 1.0f);
     if (lamps_.turns_with_scanner) {
-        sample_azimuths(first_sample, lanes);
+        numbers_.draw(2, first_sample, lanes.photon, count, lanes.u, lanes.v);
+        if (options_.exact_columns) {
+            choose_teeth(lanes);
+        } else {
+            sample_azimuths(lanes);
+        }
         turning_lamps(lanes);
     } else {
         fixed_lamps(lanes);
@@ -174,14 +189,11 @@ Rgbf PhotonStart::power(const PhotonLanes& lanes, std::size_t lane) const {
     if (!lamps_.turns_with_scanner) {
         return (*lamps_.direct[lamp])[lanes.texel[lane]].irradiance * lanes.weight[lane];
     }
-    const Light& light = *lamps_.lights[lamp];
-    const Rgb& emitted = light.type == LightType::point ? light.intensity : light.irradiance;
-    return emitted.cast<float>() * lanes.weight[lane];
+    return emitted(*lamps_.lights[lamp]).cast<float>() * lanes.weight[lane];
 }
 
 // The azimuth's offset from the texel's own is a mixture of two uniform densities.
-void PhotonStart::sample_azimuths(std::uint32_t first_sample, PhotonLanes& lanes) const {
-    numbers_.draw(2, first_sample, lanes.photon, lanes.size, lanes.u, lanes.v);
+void PhotonStart::sample_azimuths(PhotonLanes& lanes) const {
     for (std::size_t i = 0; i < lanes.size; ++i) {
         lanes.azimuth[i] = scene_.texel(lanes.texel[i]).azimuth;
         lanes.weight[i] = area_per_photon_[lanes.texel[i]];
@@ -199,6 +211,22 @@ void PhotonStart::sample_azimuths(std::uint32_t first_sample, PhotonLanes& lanes
         lanes.lamp[i] = std::min(std::int32_t(scaled), num_lamps - 1);
         lanes.choice[i] = scaled - float(lanes.lamp[i]);
     }
+}
+
+void PhotonStart::choose_teeth(PhotonLanes& lanes) const {
+    std::fill_n(lanes.lamp.begin(), lanes.size, 0);
+    for (std::size_t i = 0; i < lanes.size; ++i) {
+        lanes.azimuth[i] =
+            scene_.texel(lanes.texel[i]).azimuth + PhotonColumns::offset(lanes.u[i], lanes.v[i]);
+        lanes.weight[i] = area_per_photon_[lanes.texel[i]];
+    }
+}
+
+void PhotonStart::turn_lamp(PhotonLanes& lanes) const {
+    for (std::size_t i = 0; i < lanes.size; ++i) {
+        lanes.weight[i] = area_per_photon_[lanes.texel[i]];
+    }
+    turning_lamps(lanes);
 }
 
 // All photons for each lamp, as lanes cannot read a lamp of their own: few lamps shine together.

@@ -43,6 +43,9 @@ class PhotonStart {
               std::size_t count,
               Cursor& cursor,
               PhotonLanes& lanes) const;
+    // For PhotonOptions::exact_columns: as if the lamp had stood at lanes.azimuth when they were
+    // filled in.
+    void turn_lamp(PhotonLanes& lanes) const;
     // What a photon carries that was filled in [radiance x sr x length^2].
     [[nodiscard]] Rgbf power(const PhotonLanes& lanes, std::size_t lane) const;
 
@@ -54,7 +57,8 @@ class PhotonStart {
     [[nodiscard]] double light_per_photon(std::uint64_t half) const;
     void choose_texels(std::uint64_t first_photon, Cursor& cursor, PhotonLanes& lanes) const;
     void fixed_lamps(PhotonLanes& lanes) const;
-    void sample_azimuths(std::uint32_t first_sample, PhotonLanes& lanes) const;
+    void sample_azimuths(PhotonLanes& lanes) const;
+    void choose_teeth(PhotonLanes& lanes) const;
     void turning_lamps(PhotonLanes& lanes) const;
 
     const PhotonScene& scene_;

@@ -13,6 +13,9 @@ constexpr float kMaxShadingRatio = 4.0f;
 constexpr float kFloor = float(kCosineFloor);
 constexpr float kInversePi = float(1 / kPi);
 constexpr float kTurn = float(2 * kPi);
+// Of what a lobe sends to a column, as the lamp stands for it, photons see so much [sigma of the
+// lobe that directions are drawn from].
+constexpr float kColumnReach = 5.0f;
 // Records are asked of memory so many hits before they are read: a processor waits for about a
 // dozen lines at a time.
 constexpr std::size_t kHitsAhead = 12;
@@ -33,12 +36,14 @@ PhotonWave::PhotonWave(const PhotonScene& scene,
                        const PhotonStart& start,
                        const PhotonNumbers& numbers,
                        const PhotonOptions& options,
-                       bool turns_with_scanner)
+                       bool turns_with_scanner,
+                       const PhotonColumns* columns)
     : scene_(scene),
       start_(start),
       numbers_(numbers),
       options_(options),
       turns_with_scanner_(turns_with_scanner),
+      columns_(columns),
       hits_(kWaveSize) {}
 
 void PhotonWave::follow(std::uint64_t first_photon,
@@ -57,11 +62,13 @@ void PhotonWave::follow(std::uint64_t first_photon,
         sample_directions();
         send_rays();
         collect_hits();
+        if (columns_ != nullptr) turn_to_columns();
         if (turns_with_scanner_ && bounce == 0) drop_unlit();
         name_hits();
         locate_hits();
         for (std::size_t hit = 0; hit < std::min(kHitsAhead, num_hits_); ++hit) find_texel(hit);
         weigh_directions();
+        if (columns_ != nullptr) weigh_over_teeth();
         if (bounce == 0) keep_powers();
         numbers_.draw(++pair,
                       first_sample,
@@ -86,9 +93,8 @@ void PhotonWave::sample_directions() {
     for (std::size_t i = 0; i < at.size; ++i) {
         const float nx = at.normal.x[i], ny = at.normal.y[i], nz = at.normal.z[i];
         const float cos_i = nx * at.w_i.x[i] + ny * at.w_i.y[i] + nz * at.w_i.z[i];
-        const float mx = 2 * cos_i * nx - at.w_i.x[i];
-        const float my = 2 * cos_i * ny - at.w_i.y[i];
-        const float mz = 2 * cos_i * nz - at.w_i.z[i];
+        const auto [mx, my, mz] =
+            lane_mirror({nx, ny, nz}, {at.w_i.x[i], at.w_i.y[i], at.w_i.z[i]}, cos_i);
         at.mirror.x[i] = mx;
         at.mirror.y[i] = my;
         at.mirror.z[i] = mz;
@@ -131,6 +137,34 @@ void PhotonWave::collect_hits() {
         count += lanes_.hit_triangle[i] != kNoTriangle ? 1 : 0;
     }
     num_hits_ = count;
+}
+
+// Photons of which the lobe sends next to nothing to where they arrived are dropped: of a lobe that
+// has become 1.8 times as wide since, less than a hundredth of its light.
+void PhotonWave::turn_to_columns() {
+    locate_hits();
+    std::size_t count = 0;
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        find_texel(hit);
+        if (hits_[hit].texel == kNoTexel) continue;
+        lanes_.azimuth[hits_[hit].lane] = scene_.texel(hits_[hit].texel).azimuth;
+        hit_lanes_.lane[count++] = hits_[hit].lane;
+    }
+    start_.turn_lamp(lanes_);
+    num_hits_ = 0;
+    for (std::size_t hit = 0; hit < count; ++hit) {
+        const std::uint32_t lane = hit_lanes_.lane[hit];
+        const Vec3f normal = lanes_.normal.at(lane);
+        const Vec3f w_i = lanes_.w_i.at(lane);
+        const Vec3f mirror = 2 * normal.dot(w_i) * normal - w_i;
+        lanes_.mirror.set(lane, mirror);
+        const float reach_squared = square(kColumnReach) / lanes_.concentration[lane];
+        if (lanes_.active[lane] == 0 ||
+            (mirror - lanes_.w_o.at(lane)).squaredNorm() > reach_squared) {
+            continue;
+        }
+        hit_lanes_.lane[num_hits_++] = lane;
+    }
 }
 
 // Where lamps turn, nobody knows yet whether they shine on the photon's first texel. Most photons
@@ -222,6 +256,17 @@ void PhotonWave::weigh_directions() {
     }
 }
 
+// The lamp has been turned, and the direction may have come from any tooth.
+void PhotonWave::weigh_over_teeth() {
+    for (std::size_t hit = 0; hit < num_hits_; ++hit) {
+        const std::size_t i = hit_lanes_.lane[hit];
+        const Vec3f w_o = lanes_.w_o.at(i);
+        const float departing = lanes_.geometric_normal.at(i).dot(w_o);
+        hit_lanes_.geometry[hit] =
+            departing / columns_->density(scene_.texel(lanes_.texel[i]), w_o);
+    }
+}
+
 // Before the lanes are given to photons that live on.
 void PhotonWave::keep_powers() {
     for (std::size_t hit = 0; hit < num_hits_; ++hit) {
@@ -247,7 +292,7 @@ void PhotonWave::arrive(std::size_t number) {
     bounce.lobe_cosines = hit_lanes_.lobe_cosines[number];
     bounce.geometry =
         hit_lanes_.geometry[number] * std::min(hit.shading / hit.arriving, kMaxShadingRatio);
-    if (turns_with_scanner_) {
+    if (turns_with_scanner_ && columns_ == nullptr) {
         bounce.window =
             azimuth_kernel(lanes_.azimuth[photon] - texel.azimuth, float(options_.azimuth_window));
     }

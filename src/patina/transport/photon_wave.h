@@ -6,6 +6,7 @@
 // the reflection alone.
 #pragma once
 
+#include "patina/transport/photon_columns.h"
 #include "patina/transport/photon_join.h"
 #include "patina/transport/photon_lanes.h"
 #include "patina/transport/photon_numbers.h"
@@ -18,12 +19,13 @@ namespace patina {
 
 class PhotonWave {
   public:
-    // Does not own what it is given by reference.
+    // Does not own what it is given. columns: null unless PhotonOptions::exact_columns.
     PhotonWave(const PhotonScene& scene,
                const PhotonStart& start,
                const PhotonNumbers& numbers,
                const PhotonOptions& options,
-               bool turns_with_scanner);
+               bool turns_with_scanner,
+               const PhotonColumns* columns);
 
     // Follows count <= kWaveSize photons from first_photon (even) on to their ends and appends what
     // they did, photon by photon. cursor: as for PhotonStart::fill().
@@ -53,12 +55,14 @@ class PhotonWave {
     void sample_directions();
     void send_rays();
     void collect_hits();
+    void turn_to_columns();
     void drop_unlit();
     void name_hits();
     void ask_for_triangle(std::size_t hit) const;
     void locate_hits();
     void find_texel(std::size_t number);
     void weigh_directions();
+    void weigh_over_teeth();
     void keep_powers();
     void arrive(std::size_t hit);
     void reflect(std::size_t hit, float survival);
@@ -70,6 +74,7 @@ class PhotonWave {
     const PhotonNumbers& numbers_;
     const PhotonOptions& options_;
     bool turns_with_scanner_;
+    const PhotonColumns* columns_;
 
     PhotonLanes lanes_;
     // By number of the hit.

@@ -302,7 +302,19 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
                                         std::span<const Reflectance> maps,
                                         std::span<const std::uint8_t> wanted) {
     std::vector<IndirectLobe> result(atlas.texels.size());
-    parallel_blocks(result.size(), kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
+    add_indirect_lobe(kernel, paths, power, atlas, w_v, maps, wanted, result);
+    return result;
+}
+
+void add_indirect_lobe(const RatioKernel& kernel,
+                       const PhotonPaths& paths,
+                       std::span<const Rgbf> power,
+                       const TexelAtlas& atlas,
+                       std::span<const Vec3f> w_v,
+                       std::span<const Reflectance> maps,
+                       std::span<const std::uint8_t> wanted,
+                       std::span<IndirectLobe> result) {
+    parallel_blocks(atlas.texels.size(), kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
         LobeBatch batch;
         std::vector<ArrivalRange> ranges;
         for (std::size_t i = begin; i < end; ++i) {
@@ -320,7 +332,7 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
             // no arrival is favoured.
             const auto stride = std::uint32_t((count + kMaxLobeArrivals - 1) / kMaxLobeArrivals);
             std::uint32_t to_skip = stride / 2;
-            IndirectLobe& sum = result[i];
+            IndirectLobe sum;
             for (const ArrivalRange& range : ranges) {
                 std::uint32_t a = range.begin + to_skip;
                 for (; a < range.end; a += stride) {
@@ -334,9 +346,9 @@ std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
             sum.half *= 4 * scale;
             sum.same *= scale;
             sum.twice *= 0.25f * scale;
+            result[i] += sum;
         }
     });
-    return result;
 }
 
 }  // namespace patina

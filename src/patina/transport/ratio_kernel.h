@@ -59,6 +59,13 @@ struct IndirectLobe {
     Rgbf half = Rgbf::Zero();   // sigma half as large as the texel's
     Rgbf same = Rgbf::Zero();   // the texel's sigma
     Rgbf twice = Rgbf::Zero();  // twice as large
+
+    IndirectLobe& operator+=(const IndirectLobe& other) {
+        half += other.half;
+        same += other.same;
+        twice += other.twice;
+        return *this;
+    }
 };
 
 // w_v: per texel, unit, towards the camera. Zero where wanted is 0. One entry per texel.
@@ -69,5 +76,14 @@ struct IndirectLobe {
                                                       std::span<const Vec3f> w_v,
                                                       std::span<const Reflectance> maps,
                                                       std::span<const std::uint8_t> wanted);
+// Adds it to what is there.
+void add_indirect_lobe(const RatioKernel& kernel,
+                       const PhotonPaths& paths,
+                       std::span<const Rgbf> power,
+                       const TexelAtlas& atlas,
+                       std::span<const Vec3f> w_v,
+                       std::span<const Reflectance> maps,
+                       std::span<const std::uint8_t> wanted,
+                       std::span<IndirectLobe> sum);
 
 }  // namespace patina
