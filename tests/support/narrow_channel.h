@@ -23,14 +23,15 @@ inline constexpr double kLobeAlbedo = 0.3;  // 2 sigma^2 Ps, at normal incidence
 // the lamps is all light, and every texel of it counts.
 struct NarrowChannel : Channel {
     // widest: the lamps turn with a scanner that stands at azimuths from -widest to +widest for the
-    // floor's columns, and at 0 for the walls; 0: they stand still [rad].
+    // floor's columns, and at either end for the walls; 0: they stand still [rad].
     explicit NarrowChannel(double widest = 0) {
         atlas = build_atlas(scene.mesh, kFine * 3 * kPitch, kFine * kSide);
         if (widest > 0) {
             for (Light& light : scene.lights) light.frame = FrameOfReference::scanner;
             for (Texel& texel : atlas.texels) {
                 const double share = (texel.column + 0.5) / (kFine * kSide);
-                if (share < 1) texel.azimuth = (2 * share - 1) * widest;
+                // The left wall follows the floor, and the right one that.
+                texel.azimuth = share < 1 ? (2 * share - 1) * widest : share < 2 ? -widest : widest;
             }
         }
         direct.clear();

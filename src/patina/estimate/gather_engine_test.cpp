@@ -196,11 +196,38 @@ class NarrowLobesUnderBothKinds : public ManyLamps {
     }
     // Mean over the floor under either lamp.
     [[nodiscard]] std::array<double, 2> floor_light(const IndirectLight& light) const {
+        return floor_means(
+            [&](std::size_t set, TexelId texel) { return light.irradiance[set].mean(texel)[1]; });
+    }
+    // The same by two sweeps alone, without photons.
+    [[nodiscard]] std::array<double, 2> swept_floor_light(const EstimateOptions& options) const {
+        GatherOptions gather = options.gather;
+        gather.seed = options.photons.seed;
+        Progress progress;
+        const GatherGraph graph =
+            trace_gather_graph(channel_.scene.surface(), channel_.atlas, {}, gather, progress);
+        const SurfaceFilter filter = build_surface_filter(channel_.atlas, options.filter_radius);
+        const RadiantTexels texels(channel_.atlas, maps_, true);
+        std::array<SweptLight, 2> swept;
+        for (const std::size_t set : {0U, 1U}) {
+            LampBlockLight light(channel_.scene.surface(),
+                                 channel_.atlas,
+                                 graph,
+                                 {{&lights_[set]}, {&direct_[set]}},
+                                 set == 1);
+            for (int turn = 0; turn < 2; ++turn) light.sweep(graph, texels, filter, swept[set]);
+        }
+        return floor_means([&](std::size_t set, TexelId texel) {
+            double sum = 0;
+            for (const IndirectLanes& half : swept[set].halves) sum += double(half[texel][1][0]);
+            return 0.5 * lamp_color(lights_[set])[1] * sum;
+        });
+    }
+    [[nodiscard]] std::array<double, 2> floor_means(const auto& value) const {
         const std::vector<TexelId> floor = plate(Channel::floor);
         std::array<double, 2> means{};
         for (const std::size_t set : {0U, 1U}) {
-            means[set] = mean_over(
-                floor, [&](TexelId texel) { return light.irradiance[set].mean(texel)[1]; });
+            means[set] = mean_over(floor, [&](TexelId texel) { return value(set, texel); });
         }
         return means;
     }
@@ -217,9 +244,9 @@ TEST_F(NarrowLobesUnderBothKinds, SendTheSameByPhotonsAndBySweeps) {
     const SceneView view = scene({{0}, {1}});
     std::vector<Reflectance> matte = maps_;
     for (const TexelId texel : plate(Channel::left)) matte[texel].specular = 0;
-    std::vector<double> standing;
-    std::vector<double> turning;
-    double without = 0;
+    std::array<std::vector<double>, 2> by_photons;
+    std::array<std::vector<double>, 2> by_sweeps;
+    std::array<double, 2> without{};
     for (std::size_t run = 0; run < kNumRuns; ++run) {
         EstimateOptions options;
         options.photons.seed = run;
@@ -228,20 +255,26 @@ TEST_F(NarrowLobesUnderBothKinds, SendTheSameByPhotonsAndBySweeps) {
         EXPECT_TRUE(engine.evaluate(maps_, seen_, true).retraced);
         const IndirectLight light = engine.evaluate(maps_, seen_, true);
         EXPECT_FALSE(light.retraced);
-        standing.push_back(floor_light(light)[0]);
-        turning.push_back(floor_light(light)[1]);
         engine.restart();
         (void)engine.evaluate(matte, seen_, true);
-        without += floor_light(engine.evaluate(matte, seen_, true))[0] / kNumRuns;
+        const IndirectLight dull = engine.evaluate(matte, seen_, true);
+        const std::array<double, 2> swept = swept_floor_light(options);
+        for (const std::size_t set : {0U, 1U}) {
+            by_photons[set].push_back(floor_light(light)[set]);
+            by_sweeps[set].push_back(swept[set]);
+            without[set] += floor_light(dull)[set] / kNumRuns;
+        }
     }
-    const SampleMean by_sweeps = estimate_of(turning);
-    const SampleMean error = difference(estimate_of(standing), by_sweeps);
-    EXPECT_TRUE(agrees(error, 0, kStatedBias * by_sweeps.mean))
-        << estimate_of(standing).mean << ", " << by_sweeps.mean << " +- "
-        << by_sweeps.standard_error;
-    EXPECT_GT(by_sweeps.mean - without,
-              2 * (kStatedBias * by_sweeps.mean + 6 * error.standard_error))
-        << "the test would see nothing";
+    for (const std::size_t set : {0U, 1U}) {
+        const SampleMean swept = estimate_of(by_sweeps[set]);
+        const SampleMean error = difference(estimate_of(by_photons[set]), swept);
+        EXPECT_TRUE(agrees(error, 0, kStatedBias * swept.mean))
+            << estimate_of(by_photons[set]).mean << ", " << swept.mean << " +- "
+            << error.standard_error;
+        EXPECT_GT(swept.mean - without[set],
+                  2 * (kStatedBias * swept.mean + 6 * error.standard_error))
+            << "the test would see nothing";
+    }
 }
 
 TEST_F(ManyLamps, NeedNoPhotonsWhereNoLobeIsNarrow) {

@@ -28,6 +28,7 @@ MemoryCounts large_scan() {
     counts.image_pixels = 1 << 20;
     counts.filter_radius = 2;
     counts.looks = {40U << 20, 40U << 20};
+    counts.photons = 60.0 * (1 << 20);
     counts.hits = {{32.0 * (1 << 20), 8.0 * (1 << 20)}, {{16.0 * (1 << 20), 4.0 * (1 << 20)}}};
     return counts;
 }
@@ -40,9 +41,10 @@ TEST(MemoryNeed, IsThatOfTheLargestVectorsByTheirSizes) {
     EXPECT_EQ(need.graph, (48.0 * 24 + 12.0 * 12 + 4 * 8) * (1 << 20));
     EXPECT_GT(need.lanes, 8 * 48 * 48.0 * (1 << 20));
     EXPECT_LT(need.lanes, 1.2 * 8 * 48 * 48.0 * (1 << 20));
-    EXPECT_EQ(
-        need.peak,
-        counts.held + need.views + need.looks + need.graph + need.lanes + need.light + need.texels);
+    EXPECT_EQ(need.photons, counts.photons);
+    EXPECT_EQ(need.peak,
+              counts.held + need.views + need.looks + need.graph + need.lanes + need.light +
+                  need.photons + need.texels);
 }
 
 TEST(MemoryNeed, FallsWithEveryBlockThatIsNotKept) {

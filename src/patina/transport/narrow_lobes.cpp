@@ -18,15 +18,18 @@ constexpr double kNoneByPhotons = 0.14;
 // lobes may grow narrower in later turns.
 constexpr double kWidestGuide = 0.16;  // [rad]
 constexpr double kMinGuideShare = 0.1;
-// Directions are drawn from lobes wider by this factor: the weights' variance stays finite until a
-// lobe has become 1.8 times as wide, and seven photons of eight still count.
+// Directions are drawn from lobes wider by this factor: of standing lamps seven photons of eight
+// still count, and the weights' variance stays finite until a lobe has become so many times as wide
+// as the second says. Lobes that have become still wider are left to the sweeps.
 constexpr double kGuideWidth = 1.25;
+constexpr double kMostWidened = 1.75;
 // Narrow lobes that send on less than this of all reflected light are left to the sweeps: if sigma
 // is as below, these then err by 2 % of the light in the mean square, no more than photons do. Of
-// wider lobes by so much less as they are wider.
+// lobes k times as wide they err by 1/k of that, so that k times as much is left to them.
 constexpr double kWorthwhile = 1e-3;
 constexpr double kWorthwhileSigma = 0.03;  // [rad]
-// Photons are traced anew when their effective number has fallen below this share.
+// Photons are traced anew when their effective number has fallen below this share, or when the
+// images that they carry call for more than so many times as many.
 constexpr double kMinEffectiveShare = 0.5;
 
 // What texels reflect, weighted by their area [length^2].
@@ -35,11 +38,13 @@ struct Reflected {
     double noisy = 0;   // of them, weighted by how much sweeps err of them
     double guided = 0;  // of them, those on which photons start
     double all = 0;
+    double shares = 0;  // guide_share(), not weighted by anything [texels]
     Reflected& operator+=(const Reflected& other) {
         narrow += other.narrow;
         noisy += other.noisy;
         guided += other.guided;
         all += other.all;
+        shares += other.shares;
         return *this;
     }
 };
@@ -54,8 +59,10 @@ std::uint64_t num_photons(double num_texels, bool turning, const NarrowLobeOptio
     return std::clamp<std::uint64_t>(std::uint64_t(per_texel * num_texels), 2, options.max_photons);
 }
 
-bool has_narrow_lobe(const Reflectance& map) {
-    return map.specular > 0 && map.roughness < kWidestGuide;
+// Of the images in a texel's lobe, those for which photons start; 0 where none do [-].
+double guide_share(const Reflectance& map) {
+    if (!(map.specular > 0) || map.roughness >= kWidestGuide) return 0;
+    return std::max(kMinGuideShare, photon_share(map.roughness));
 }
 
 }  // namespace
@@ -88,7 +95,8 @@ bool NarrowLobes::follow(std::span<const Reflectance> maps) {
         Reflected sum;
         sum.narrow = area * photon_share(map.roughness) * lobe;
         sum.noisy = sum.narrow * kWorthwhileSigma / map.roughness;
-        sum.guided = !photons_.empty() && guided_[i] != 0 ? sum.narrow : 0;
+        sum.guided = !photons_.empty() && is_guided(i, map) ? sum.narrow : 0;
+        sum.shares = guide_share(map);
         sum.all = area * (map.diffuse.mean() + lobe);
         return sum;
     });
@@ -97,29 +105,32 @@ bool NarrowLobes::follow(std::span<const Reflectance> maps) {
         const double effective = weigh(maps);
         // Lobes that have become narrow since photons were traced count as photons that are
         // missing.
-        if (!worthwhile || effective * reflected.guided >=
-                               kMinEffectiveShare * effective_when_traced_ * reflected.narrow) {
-            return false;
-        }
+        const bool enough = effective * reflected.guided >=
+                                kMinEffectiveShare * effective_when_traced_ * reflected.narrow &&
+                            shares_when_traced_ >= kMinEffectiveShare * reflected.shares;
+        if (!worthwhile || enough) return false;
     }
     if (!worthwhile) return false;
+    shares_when_traced_ = reflected.shares;
     trace(maps);
     effective_when_traced_ = weigh(maps);
     return true;
 }
 
+bool NarrowLobes::is_guided(std::size_t texel, const Reflectance& map) const {
+    return map.roughness <= kMostWidened * double(guide_roughness_[texel]);
+}
+
 void NarrowLobes::trace(std::span<const Reflectance> maps) {
     const std::size_t num_texels = maps.size();
     std::vector<Reflectance> guide(num_texels);
-    guided_.assign(num_texels, 0);
-    double num_carried = 0;  // texels whose images photons carry, by share
+    guide_roughness_.assign(num_texels, 0);
     for (std::size_t i = 0; i < num_texels; ++i) {
-        if (!has_narrow_lobe(maps[i])) continue;
-        const double share = std::max(kMinGuideShare, photon_share(maps[i].roughness));
+        const double share = guide_share(maps[i]);
+        if (share == 0) continue;
         guide[i].specular = share * maps[i].specular;
         guide[i].roughness = kGuideWidth * maps[i].roughness;
-        guided_[i] = 1;
-        num_carried += share;
+        guide_roughness_[i] = float(maps[i].roughness);
     }
     PhotonOptions options;
     options.seed = options_.seed;
@@ -134,7 +145,7 @@ void NarrowLobes::trace(std::span<const Reflectance> maps) {
         const LampBlock& lamps = blocks_[block];
         for (std::size_t lane = 0; lane < lamps.size(); ++lane) {
             options.exact_columns = lamps.lights[lane]->frame == FrameOfReference::scanner;
-            options.photons = num_photons(num_carried, options.exact_columns, options_);
+            options.photons = num_photons(shares_when_traced_, options.exact_columns, options_);
             LampSet set;
             set.turns_with_scanner = options.exact_columns;
             set.lights = {lamps.lights[lane]};
@@ -183,7 +194,7 @@ double NarrowLobes::weigh(std::span<const Reflectance> maps) {
     shares_.resize(maps.size());
     std::vector<Reflectance> carried(maps.size());
     parallel_for(maps.size(), [&](std::size_t i) {
-        const double share = guided_[i] != 0 ? photon_share(maps[i].roughness) : 0.0;
+        const double share = is_guided(i, maps[i]) ? photon_share(maps[i].roughness) : 0.0;
         shares_[i] = float(share);
         carried[i].specular = share * maps[i].specular;
         carried[i].roughness = maps[i].roughness;

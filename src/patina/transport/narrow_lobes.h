@@ -6,7 +6,7 @@
 // photons carry the share photon_share(sigma(y)) of them, and sweeps the rest
 // (RadiantTexels' left_out).
 //
-// Photons start at lit texels with narrow lobes, are reflected once, by the lobe, and count where
+// Photons start at texels with narrow lobes, are reflected once, by the lobe, and count where
 // they arrive. They are traced once, weighted again as the maps change, and traced anew when too
 // few of them still count. Those of lamps that turn with the scanner count for the column where
 // they arrive (photon_columns.h). docs/theory.md, "Narrow lobes", says why.
@@ -45,8 +45,7 @@ class NarrowLobes {
     // stands for all of the light [1/length^2; 1 for directional lamps].
     using Irradiance = LargeVector<std::array<Lanes, 2>>;
 
-    // Keeps references to the atlas, to what the surface and the
-    // blocks point to.
+    // Keeps references to the atlas, to what the surface and the blocks point to.
     NarrowLobes(const Surface& surface,
                 const TexelAtlas& atlas,
                 std::vector<LampBlock> blocks,
@@ -54,7 +53,7 @@ class NarrowLobes {
 
     // Weighs the photons for these maps, or traces them where there are none yet and narrow lobes
     // send on enough of the light to matter, and where the effective number of photons has halved
-    // since they were traced. Returns whether they were traced.
+    // since they were traced, or twice as many are called for. Returns whether they were traced.
     bool follow(std::span<const Reflectance> maps);
     // Lets all photons go.
     void forget();
@@ -93,6 +92,8 @@ class NarrowLobes {
         std::vector<Rgbf> power;         // of every arrival [radiance x sr x length^2]
     };
 
+    // Whether photons carry images of this lobe of a texel.
+    [[nodiscard]] bool is_guided(std::size_t texel, const Reflectance& map) const;
     void trace(std::span<const Reflectance> maps);
     [[nodiscard]] ArrivalCone cone_at(std::size_t texel, const PhotonPaths& paths) const;
     // Returns the effective number of photons.
@@ -104,9 +105,10 @@ class NarrowLobes {
     NarrowLobeOptions options_;
     std::vector<std::vector<LampPhotons>> photons_;  // per block, per lane; empty: not traced
     RatioKernel kernel_;
-    std::vector<std::uint8_t> guided_;  // per texel, whether photons start there
+    std::vector<float> guide_roughness_;  // per texel, as traced; 0 where no photons start [rad]
     std::vector<float> shares_;
     double effective_when_traced_ = 0;
+    double shares_when_traced_ = 0;  // of images, of all texels [texels]
 };
 
 }  // namespace patina

@@ -58,8 +58,10 @@ std::vector<double> PhotonStart::importance() const {
     std::vector<double> result(num_texels);
     parallel_for(num_texels, [&](std::size_t i) {
         double irradiance = unlit;
-        for (const auto* direct : lamps_.direct) {
-            if (!options_.exact_columns) irradiance += double((*direct)[i].irradiance.mean());
+        if (!options_.exact_columns) {
+            for (const auto* direct : lamps_.direct) {
+                irradiance += double((*direct)[i].irradiance.mean());
+            }
         }
         const PhotonTexel& texel = scene_.texel(TexelId(i));
         result[i] = irradiance * double(texel.area) *

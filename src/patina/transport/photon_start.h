@@ -1,5 +1,6 @@
 // Where the photons of one set of lamps fall on the surface first: texels in proportion to the
-// light they send on, by stratified inversion.
+// light they send on, by stratified inversion; where photons count for exact columns, in proportion
+// to what they reflect, as a texel may be lit from another column than its own.
 #pragma once
 
 #include "patina/scene/light_lanes.h"

@@ -140,13 +140,13 @@ void PhotonWave::collect_hits() {
 }
 
 // Photons of which the lobe sends next to nothing to where they arrived are dropped: of a lobe that
-// has become 1.8 times as wide since, less than a hundredth of its light.
+// has become 1.75 times as wide since, 0.2 % of its light.
 void PhotonWave::turn_to_columns() {
     locate_hits();
     std::size_t count = 0;
     for (std::size_t hit = 0; hit < num_hits_; ++hit) {
         find_texel(hit);
-        if (hits_[hit].texel == kNoTexel) continue;
+        if (hits_[hit].texel == kNoTexel || hits_[hit].arriving <= 0) continue;
         lanes_.azimuth[hits_[hit].lane] = scene_.texel(hits_[hit].texel).azimuth;
         hit_lanes_.lane[count++] = hits_[hit].lane;
     }
