@@ -25,7 +25,8 @@ constexpr double kGuideWidth = 1.25;
 constexpr double kMostWidened = 1.75;
 // Narrow lobes that send on less than this of all reflected light are left to the sweeps: if sigma
 // is as below, these then err by 2 % of the light in the mean square, no more than photons do. Of
-// lobes k times as wide they err by 1/k of that, so that k times as much is left to them.
+// lobes k times as wide they err by 1/k of that, and photons gain the less the nearer they are to
+// where both ways err alike, so that more is left to them.
 constexpr double kWorthwhile = 1e-3;
 constexpr double kWorthwhileSigma = 0.03;  // [rad]
 // Photons are traced anew when their effective number has fallen below this share, or when the
@@ -35,13 +36,13 @@ constexpr double kMinEffectiveShare = 0.5;
 // What texels reflect, weighted by their area [length^2].
 struct Reflected {
     double narrow = 0;  // images that photons are to carry
-    double noisy = 0;   // of them, weighted by how much sweeps err of them
+    double gained = 0;  // of them, by how much more of them sweeps err than photons
     double guided = 0;  // of them, those on which photons start
     double all = 0;
     double shares = 0;  // guide_share(), not weighted by anything [texels]
     Reflected& operator+=(const Reflected& other) {
         narrow += other.narrow;
-        noisy += other.noisy;
+        gained += other.gained;
         guided += other.guided;
         all += other.all;
         shares += other.shares;
@@ -57,6 +58,11 @@ std::uint64_t num_photons(double num_texels, bool turning, const NarrowLobeOptio
     const double per_texel =
         turning ? options.photons_per_turning_texel : options.photons_per_texel;
     return std::clamp<std::uint64_t>(std::uint64_t(per_texel * num_texels), 2, options.max_photons);
+}
+
+// Over that at kWorthwhileSigma; docs/theory.md, "Whether it pays" [-].
+double gain_of_photons(double roughness) {
+    return std::max(0.0, 1 - square(roughness / kNoneByPhotons)) * kWorthwhileSigma / roughness;
 }
 
 // Of the images in a texel's lobe, those for which photons start; 0 where none do [-].
@@ -94,13 +100,13 @@ bool NarrowLobes::follow(std::span<const Reflectance> maps) {
         const double lobe = map.specular * max_lobe_albedo(map.roughness);
         Reflected sum;
         sum.narrow = area * photon_share(map.roughness) * lobe;
-        sum.noisy = sum.narrow * kWorthwhileSigma / map.roughness;
+        sum.gained = sum.narrow * gain_of_photons(map.roughness);
         sum.guided = !photons_.empty() && is_guided(i, map) ? sum.narrow : 0;
         sum.shares = guide_share(map);
         sum.all = area * (map.diffuse.mean() + lobe);
         return sum;
     });
-    const bool worthwhile = reflected.noisy > kWorthwhile * reflected.all;
+    const bool worthwhile = reflected.gained > kWorthwhile * reflected.all;
     if (!photons_.empty()) {
         const double effective = weigh(maps);
         // Lobes that have become narrow since photons were traced count as photons that are
