@@ -29,8 +29,8 @@ constexpr double kMostWidened = 1.75;
 // where both ways err alike, so that more is left to them.
 constexpr double kWorthwhile = 1e-3;
 constexpr double kWorthwhileSigma = 0.03;  // [rad]
-// Photons are traced anew when their effective number has fallen below this share, or when the
-// images that they carry call for more than so many times as many.
+// Photons are traced anew when their effective number has fallen below this share of what it was,
+// or their number is below this share of what the images that they carry call for now.
 constexpr double kMinEffectiveShare = 0.5;
 
 // What texels reflect, weighted by their area [length^2].

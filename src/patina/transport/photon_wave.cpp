@@ -13,8 +13,8 @@ constexpr float kMaxShadingRatio = 4.0f;
 constexpr float kFloor = float(kCosineFloor);
 constexpr float kInversePi = float(1 / kPi);
 constexpr float kTurn = float(2 * kPi);
-// Of what a lobe sends to a column, as the lamp stands for it, photons see so much [sigma of the
-// lobe that directions are drawn from].
+// Of turning lamps, photons count whose direction lies so near to the mirror direction of the lamp
+// as it stands for their column [sigma of the lobe that directions are drawn from].
 constexpr float kColumnReach = 5.0f;
 // Records are asked of memory so many hits before they are read: a processor waits for about a
 // dozen lines at a time.
