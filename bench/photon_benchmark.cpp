@@ -9,6 +9,7 @@
 // turns, so that whatever else the machine does falls on both. Times are the least of all repeats.
 // Shadow rays to lamps that turn are part of the photons' time and not of the bare rays'.
 #include "patina/base/parallel.h"
+#include "patina/base/process_memory.h"
 #include "patina/scan/scanner.h"
 #include "patina/transport/photon_paths.h"
 #include "patina/transport/ratio_kernel.h"
@@ -292,6 +293,7 @@ void run(const std::vector<std::string>& words) {
 
 int main(int argc, char** argv) {
     try {
+        patina::keep_freed_memory();
         patina::run({argv + 1, argv + argc});
         return 0;
     } catch (const std::exception& error) {

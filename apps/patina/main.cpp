@@ -1,6 +1,7 @@
 // The command line of patina: parses with CLI11, runs one command, turns exceptions into one line
 // and an exit status.
 #include "patina/base/error.h"
+#include "patina/base/process_memory.h"
 #include "patina/pipeline/version.h"
 
 #include <CLI/CLI.hpp>
@@ -141,6 +142,7 @@ int run(int argc, char** argv) {
 int main(int argc, char** argv) {
     using namespace patina;
     install_interrupt_handler();
+    keep_freed_memory();
     try {
         return run(argc, argv);
     } catch (const Error& error) {

@@ -1,6 +1,9 @@
 #include "patina/base/process_memory.h"
 
 #include <fstream>
+#if defined(__GLIBC__)
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -20,6 +23,14 @@ std::int64_t peak_memory_bytes() {
     getrusage(RUSAGE_SELF, &usage);
     constexpr std::int64_t kBytesPerKibibyte = 1024;
     return std::int64_t(usage.ru_maxrss) * kBytesPerKibibyte;
+}
+
+void keep_freed_memory() {
+#if defined(__GLIBC__)
+    constexpr int kMebibyte = 1 << 20;
+    mallopt(M_TRIM_THRESHOLD, 256 * kMebibyte);
+    mallopt(M_MMAP_THRESHOLD, 32 * kMebibyte);
+#endif
 }
 
 }  // namespace patina

@@ -15,6 +15,65 @@ namespace patina {
 inline constexpr std::size_t kLanes = 8;
 using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
 
+// Anywhere in memory.
+[[nodiscard]] inline Lanes load_lanes(const void* from) {
+    using Unaligned [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::may_alias]] = float;
+    return *static_cast<const Unaligned*>(from);
+}
+inline void store_lanes(Lanes value, float* to) {
+    using Unaligned [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::may_alias]] = float;
+    *reinterpret_cast<Unaligned*>(to) = value;
+}
+
+// Eight numbers of eight records, number by number: result[f][k] is number f of those that lie
+// `offset` bytes into what records[k] points to.
+[[nodiscard]] inline std::array<Lanes, kLanes> load_transposed(
+    const std::array<const void*, kLanes>& records, std::size_t offset) {
+    const auto row = [&](std::size_t k) {
+        return load_lanes(static_cast<const std::byte*>(records[k]) + offset);
+    };
+    using Order [[gnu::vector_size(kLanes * sizeof(std::int32_t))]] = std::int32_t;
+    // Numbers f and f + 4 of two records, of four, of all.
+    const auto low_two = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{0, 8, 1, 9, 4, 12, 5, 13});
+    };
+    const auto high_two = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{2, 10, 3, 11, 6, 14, 7, 15});
+    };
+    const auto low_four = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{0, 1, 8, 9, 4, 5, 12, 13});
+    };
+    const auto high_four = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{2, 3, 10, 11, 6, 7, 14, 15});
+    };
+    const auto low_half = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{0, 1, 2, 3, 8, 9, 10, 11});
+    };
+    const auto high_half = [](Lanes a, Lanes b) {
+        return __builtin_shuffle(a, b, Order{4, 5, 6, 7, 12, 13, 14, 15});
+    };
+    const Lanes r0 = row(0), r1 = row(1);
+    const Lanes r2 = row(2), r3 = row(3);
+    const Lanes r4 = row(4), r5 = row(5);
+    const Lanes r6 = row(6), r7 = row(7);
+    const Lanes a0 = low_two(r0, r1), a2 = high_two(r0, r1);
+    const Lanes b0 = low_two(r2, r3), b2 = high_two(r2, r3);
+    const Lanes c0 = low_two(r4, r5), c2 = high_two(r4, r5);
+    const Lanes d0 = low_two(r6, r7), d2 = high_two(r6, r7);
+    const Lanes p0 = low_four(a0, b0), p1 = high_four(a0, b0);
+    const Lanes p2 = low_four(a2, b2), p3 = high_four(a2, b2);
+    const Lanes q0 = low_four(c0, d0), q1 = high_four(c0, d0);
+    const Lanes q2 = low_four(c2, d2), q3 = high_four(c2, d2);
+    return {low_half(p0, q0),
+            low_half(p1, q1),
+            low_half(p2, q2),
+            low_half(p3, q3),
+            high_half(p0, q0),
+            high_half(p1, q1),
+            high_half(p2, q2),
+            high_half(p3, q3)};
+}
+
 // --- Compact numbers ---------------------------------------------------------------------------
 // Six bits of exponent, ten of mantissa, no sign, for rows that are read from all over memory:
 // relative error at most 2^-11, of either sign, from 2^-41 to 2^22; what is smaller becomes 0, what

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 
 namespace patina {
@@ -38,6 +39,26 @@ TEST(CompactFloat, IsTheSameInLanes) {
     for (std::size_t l = 0; l < kLanes; ++l) {
         EXPECT_EQ(compact[l], to_compact(x[l]));
         EXPECT_EQ(back[l], from_compact(compact[l]));
+    }
+}
+
+TEST(LoadTransposed, PutsTheNumbersOfEightRecordsSideBySide) {
+    // Records of 40 bytes in some order, read from their third number on, so that none is aligned.
+    constexpr std::size_t kFirst = 2;
+    std::array<std::array<float, kFirst + kLanes>, kLanes> table;
+    for (std::size_t r = 0; r < kLanes; ++r) {
+        for (std::size_t f = 0; f < table[r].size(); ++f) table[r][f] = float(100 * r + f);
+    }
+    const std::array<std::size_t, kLanes> order = {3, 0, 7, 7, 1, 2, 6, 4};
+    std::array<const void*, kLanes> records;
+    for (std::size_t k = 0; k < kLanes; ++k) records[k] = &table[order[k]];
+    const std::array<Lanes, kLanes> fields = load_transposed(records, kFirst * sizeof(float));
+    for (std::size_t f = 0; f < kLanes; ++f) {
+        std::array<float, kLanes + 1> stored{};
+        store_lanes(fields[f], &stored[1]);
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            EXPECT_EQ(stored[k + 1], table[order[k]][kFirst + f]) << f << ' ' << k;
+        }
     }
 }
 

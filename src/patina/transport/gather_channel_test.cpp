@@ -1,4 +1,5 @@
 // A channel of three glossy plates, gathered many times over, against the path tracer.
+#include "patina/base/wide_code.h"
 #include "patina/transport/gather_sweep.h"
 
 #include <gtest/gtest.h>
@@ -254,6 +255,20 @@ TEST_F(GatherChannel, FollowsWhatOneGlossyWallSendsOn) {
     }
 }
 
+void expect_same_bytes(const GatheredLight& a, const GatheredLight& b) {
+    ASSERT_GT(a.graph().irradiance.hits.size(), 10'000U);
+    ASSERT_GT(a.graph().lobes.front().hits.size(), 1'000U);
+    EXPECT_TRUE(same_bytes(a.graph().irradiance.begin, b.graph().irradiance.begin));
+    EXPECT_TRUE(same_bytes(a.graph().irradiance.hits, b.graph().irradiance.hits));
+    EXPECT_TRUE(same_bytes(a.graph().lobes.front().hits, b.graph().lobes.front().hits));
+    ASSERT_GT(a.graph().irradiance.glossy.size(), 1'000U);
+    EXPECT_TRUE(same_bytes(a.graph().irradiance.glossy, b.graph().irradiance.glossy));
+    EXPECT_TRUE(same_bytes(a.graph().lobes.front().glossy, b.graph().lobes.front().glossy));
+    for (const std::size_t half : {0U, 1U}) {
+        EXPECT_TRUE(same_bytes(a.halves()[half], b.halves()[half]));
+    }
+}
+
 TEST_F(GatherChannel, IsTheSameForAnyNumberOfThreads) {
     const auto light = [&](int threads) {
         const ThreadLimit limit(threads);
@@ -261,19 +276,20 @@ TEST_F(GatherChannel, IsTheSameForAnyNumberOfThreads) {
         result.sweep(2);
         return result;
     };
-    const GatheredLight one = light(1);
-    const GatheredLight two = light(2);
-    ASSERT_GT(one.graph().irradiance.hits.size(), 10'000U);
-    ASSERT_GT(one.graph().lobes.front().hits.size(), 1'000U);
-    EXPECT_TRUE(same_bytes(one.graph().irradiance.begin, two.graph().irradiance.begin));
-    EXPECT_TRUE(same_bytes(one.graph().irradiance.hits, two.graph().irradiance.hits));
-    EXPECT_TRUE(same_bytes(one.graph().lobes.front().hits, two.graph().lobes.front().hits));
-    ASSERT_GT(one.graph().irradiance.glossy.size(), 1'000U);
-    EXPECT_TRUE(same_bytes(one.graph().irradiance.glossy, two.graph().irradiance.glossy));
-    EXPECT_TRUE(same_bytes(one.graph().lobes.front().glossy, two.graph().lobes.front().glossy));
-    for (const std::size_t half : {0U, 1U}) {
-        EXPECT_TRUE(same_bytes(one.halves()[half], two.halves()[half]));
-    }
+    expect_same_bytes(light(1), light(2));
+}
+
+TEST_F(GatherChannel, IsTheSameWithAvx512AndWithout) {
+    if (!takes_avx512()) GTEST_SKIP() << "this machine has no AVX-512";
+    const auto light = [&] {
+        GatheredLight result = gather(GatherOptions{});
+        result.sweep(2);
+        return result;
+    };
+    const GatheredLight wide = light();
+    const NarrowCode narrow_code;
+    ASSERT_FALSE(takes_avx512());
+    expect_same_bytes(wide, light());
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "patina/transport/gather_rays.h"
 
+#include "patina/base/wide_code.h"
 #include "patina/math/lanes.h"
 #include "patina/transport/lane_directions.h"
 
@@ -66,15 +67,17 @@ void fill(Lane3& lane, std::size_t size, const Vec3f& value) {
 // --- Rays on their way -------------------------------------------------------------------------
 
 void GatherRays::Rays::draw() {
-    for (std::size_t i = 0; i < size; ++i) {
-        const float kappa = concentration[i];
-        const bool is_lobe = kappa > 0;
-        const auto [x, y, z] = lane_direction(
-            is_lobe, {axis.x[i], axis.y[i], axis.z[i]}, is_lobe ? kappa : 1.0f, u[i], v[i]);
-        w.x[i] = x;
-        w.y[i] = y;
-        w.z[i] = z;
-    }
+    run_wide([&]() PATINA_WIDE {
+        for (std::size_t i = 0; i < size; ++i) {
+            const float kappa = concentration[i];
+            const bool is_lobe = kappa > 0;
+            const auto [x, y, z] = lane_direction(
+                is_lobe, {axis.x[i], axis.y[i], axis.z[i]}, is_lobe ? kappa : 1.0f, u[i], v[i]);
+            w.x[i] = x;
+            w.y[i] = y;
+            w.z[i] = z;
+        }
+    });
 }
 
 void GatherRays::send(Rays& rays) const {
@@ -106,11 +109,13 @@ void GatherRays::start(std::size_t texel, std::uint64_t stream, int begin, int c
         sobol_element_hash(options_.seed, Pass::gather, stream * atlas_.texels.size() + texel);
     const SobolScramble scramble = sobol_scramble(element, kFirstPair);
     onward_scramble_ = sobol_scramble(element, kOnwardPair);
-    for (std::size_t i = 0; i < first_.size; ++i) {
-        const auto numbers = sobol_pair(scramble, std::uint32_t(begin) + std::uint32_t(i));
-        first_.u[i] = unit_from_bits(numbers[0]);
-        first_.v[i] = unit_from_bits(numbers[1]);
-    }
+    run_wide([&]() PATINA_WIDE {
+        for (std::size_t i = 0; i < first_.size; ++i) {
+            const auto numbers = sobol_pair(scramble, std::uint32_t(begin) + std::uint32_t(i));
+            first_.u[i] = unit_from_bits(numbers[0]);
+            first_.v[i] = unit_from_bits(numbers[1]);
+        }
+    });
     fill(first_.axis, first_.size, point.normal.cast<float>());
     fill(first_.origin,
          first_.size,
@@ -176,15 +181,18 @@ void GatherRays::trace_lobe(std::size_t texel, std::size_t view, const Vec3f& w_
             if (!is_defensive) first_.axis.set(i, mirror);
         }
         draw_first(texel);
-        for (std::size_t i = 0; i < first_.size; ++i) {
-            const float dx = mirror.x() - first_.w.x[i];
-            const float dy = mirror.y() - first_.w.y[i];
-            const float dz = mirror.z() - first_.w.z[i];
-            const float lobe = lane_lobe_density(concentration, dx * dx + dy * dy + dz * dz);
-            const float density =
-                (first_.cosine[i] * kInversePi + (kDefensiveShare - 1) * lobe) / kDefensiveShare;
-            first_.weight[i] = first_.cosine[i] / (density * float(options_.lobe_rays));
-        }
+        run_wide([&]() PATINA_WIDE {
+            for (std::size_t i = 0; i < first_.size; ++i) {
+                const float dx = mirror.x() - first_.w.x[i];
+                const float dy = mirror.y() - first_.w.y[i];
+                const float dz = mirror.z() - first_.w.z[i];
+                const float lobe = lane_lobe_density(concentration, dx * dx + dy * dy + dz * dz);
+                const float density =
+                    (first_.cosine[i] * kInversePi + (kDefensiveShare - 1) * lobe) /
+                    kDefensiveShare;
+                first_.weight[i] = first_.cosine[i] / (density * float(options_.lobe_rays));
+            }
+        });
         static_cast<void>(follow(begin, options_.lobe_rays, row));
     }
 }

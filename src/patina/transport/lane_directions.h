@@ -25,6 +25,18 @@ struct LaneDirection {
     return {2 * cosine * normal.x - w.x, 2 * cosine * normal.y - w.y, 2 * cosine * normal.z - w.z};
 }
 
+// Of the chord between the tips of two unit vectors [-].
+[[nodiscard]] inline float lane_chord_squared(const LaneDirection& a, const LaneDirection& b) {
+    const float dx = a.x - b.x;
+    const float dy = a.y - b.y;
+    const float dz = a.z - b.z;
+    return dx * dx + dy * dy + dz * dz;
+}
+
+[[nodiscard]] inline float lane_dot(const LaneDirection& a, const LaneDirection& b) {
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
 // is_lobe: of the von Mises-Fisher distribution about the axis, else of the density cos/pi. axis:
 // unit. u, v: in [0, 1). concentration: kappa of the distribution [-].
 [[nodiscard]] inline LaneDirection lane_direction(

@@ -44,15 +44,11 @@ float PhotonColumns::density(const PhotonTexel& texel, const Vec3f& w_o) const {
         const float turns = (azimuth + offsets_[k]) * (1 / kTurn);
         const LaneLightSample sample =
             sample_lane_light(lamp, px, py, pz, turns - std::floor(turns));
-        const float cos_i = normal.x * sample.x + normal.y * sample.y + normal.z * sample.z;
-        const float arriving =
-            geometric.x * sample.x + geometric.y * sample.y + geometric.z * sample.z;
-        const LaneDirection mirror = lane_mirror(normal, {sample.x, sample.y, sample.z}, cos_i);
-        const float dx = mirror.x - to.x;
-        const float dy = mirror.y - to.y;
-        const float dz = mirror.z - to.z;
-        const float density =
-            probabilities_[k] * lane_lobe_density(concentration, dx * dx + dy * dy + dz * dz);
+        const LaneDirection w_i = {sample.x, sample.y, sample.z};
+        const float cos_i = lane_dot(normal, w_i);
+        const float arriving = lane_dot(geometric, w_i);
+        const float chord_squared = lane_chord_squared(lane_mirror(normal, w_i, cos_i), to);
+        const float density = probabilities_[k] * lane_lobe_density(concentration, chord_squared);
         const float facing = std::min(cos_i, arriving) > 0 ? density : 0.0f;
         densities[k] = sample.strength > 0 ? facing : 0.0f;
     }

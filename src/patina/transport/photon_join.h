@@ -9,7 +9,7 @@
 
 namespace patina {
 
-// What one thread collects for one block of photons.
+// What one wave of photons did.
 struct PhotonBlock {
     std::vector<PhotonPaths::Path> paths;  // first_bounce counts within the block
     std::vector<PhotonBounce> bounces;

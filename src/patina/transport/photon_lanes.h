@@ -48,9 +48,11 @@ struct PhotonLanes {
     Lane<float> choice;  // random number that chooses between the diffuse part and the lobe
 
     // Where they are reflected to, and what they hit.
-    Lane<float> u, v;   // random numbers
-    Lane3 mirror, w_o;  // w_o goes on from the first hit
-    Lane<float> share;  // probability of the lobe [-]
+    Lane<float> u, v;                     // random numbers
+    Lane3 w_o;                            // goes on from the first hit
+    Lane<float> cos_i, cos_o, departing;  // of w_i and w_o to the normal, of w_o to the geometric
+    Lane<float> chord_squared;            // from the mirror direction of w_i to w_o
+    Lane<float> share;                    // probability of the lobe [-]
     Lane<std::uint32_t> hit_triangle;
     Lane<float> hit_u, hit_v;
 

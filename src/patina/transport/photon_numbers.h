@@ -3,6 +3,7 @@
 #pragma once
 
 #include "patina/base/random.h"
+#include "patina/base/wide_code.h"
 #include "patina/math/lane_math.h"
 #include "patina/transport/photon_lanes.h"
 
@@ -27,15 +28,20 @@ class PhotonNumbers {
               Lane<float>& second) const {
         const SobolScramble even = sobol_scramble(element_hashes_[0], pair);
         const SobolScramble odd = sobol_scramble(element_hashes_[1], pair);
-        for (std::size_t i = 0; i < count; ++i) {
-            const bool is_odd = (photon[i] & 1u) != 0;
-            const auto numbers = sobol_pair({is_odd ? odd.order : even.order,
-                                             is_odd ? odd.first : even.first,
-                                             is_odd ? odd.second : even.second},
-                                            first_sample + photon[i] / 2);
-            first[i] = unit_from_bits(numbers[0]);
-            second[i] = unit_from_bits(numbers[1]);
-        }
+        const std::uint32_t* const from = photon.data();
+        float* const to_first = first.data();
+        float* const to_second = second.data();
+        run_wide([=]() PATINA_WIDE {
+            for (std::size_t i = 0; i < count; ++i) {
+                const bool is_odd = (from[i] & 1u) != 0;
+                const auto numbers = sobol_pair({is_odd ? odd.order : even.order,
+                                                 is_odd ? odd.first : even.first,
+                                                 is_odd ? odd.second : even.second},
+                                                first_sample + from[i] / 2);
+                to_first[i] = unit_from_bits(numbers[0]);
+                to_second[i] = unit_from_bits(numbers[1]);
+            }
+        });
     }
 
   private:

@@ -13,9 +13,8 @@
 namespace patina {
 namespace {
 
-// Photons handed to a thread at once; fixes the order in which paths are stored.
-constexpr std::size_t kPhotonsPerBlock = 8192;
-static_assert(kPhotonsPerBlock % kWaveSize == 0);
+// Photons handed to a thread at once.
+constexpr std::size_t kPhotonsPerTask = 8 * kWaveSize;
 
 // Sums whose ratio is the effective number of photons.
 struct WeightSums {
@@ -40,7 +39,7 @@ PhotonPaths trace_photons(const PhotonScene& scene,
                           const PhotonOptions& options,
                           std::uint32_t stream,
                           Progress& progress) {
-    std::vector<PhotonBlock> blocks;
+    std::vector<PhotonBlock> blocks;  // per wave
     std::optional<PhotonColumns> columns;
     if (options.exact_columns) {
         PATINA_CHECK(lamps.turns_with_scanner && options.max_bounces == 1);
@@ -50,8 +49,8 @@ PhotonPaths trace_photons(const PhotonScene& scene,
     const PhotonNumbers numbers(options.seed, stream);
     const PhotonStart start(scene, lamps, options, numbers);
     if (start.has_light()) {
-        blocks.resize((options.photons + kPhotonsPerBlock - 1) / kPhotonsPerBlock);
-        parallel_blocks(options.photons, kPhotonsPerBlock, [&](std::size_t begin, std::size_t end) {
+        blocks.resize((options.photons + kWaveSize - 1) / kWaveSize);
+        parallel_blocks(options.photons, kPhotonsPerTask, [&](std::size_t begin, std::size_t end) {
             const auto wave = std::make_unique<PhotonWave>(scene,
                                                            start,
                                                            numbers,
@@ -60,10 +59,8 @@ PhotonPaths trace_photons(const PhotonScene& scene,
                                                            columns ? &*columns : nullptr);
             PhotonStart::Cursor cursor(start, begin);
             for (std::size_t first = begin; first < end; first += kWaveSize) {
-                wave->follow(first,
-                             std::min(kWaveSize, end - first),
-                             cursor,
-                             blocks[begin / kPhotonsPerBlock]);
+                blocks[first / kWaveSize] =
+                    wave->follow(first, std::min(kWaveSize, end - first), cursor);
             }
             progress.advance(end - begin);
         });

@@ -1,5 +1,6 @@
 #include "patina/transport/photon_paths.h"
 
+#include "patina/base/wide_code.h"
 #include "patina/transport/path_tracer.h"
 #include "patina/transport/ratio_kernel.h"
 
@@ -7,10 +8,10 @@
 
 #include "support/channel.h"
 #include "support/fluted_column.h"
+#include "support/same_bytes.h"
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <memory>
 
 namespace patina {
@@ -191,37 +192,43 @@ TEST_F(PhotonChannel, WeighsPhotonsOfOtherMapsToTheSameLight) {
     }
 }
 
-template <typename Value>
-bool same_bytes(const std::vector<Value>& a, const std::vector<Value>& b) {
-    return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Value)) == 0;
+struct PhotonLight {
+    PhotonPaths paths;
+    PhotonPower power;
+    IndirectIrradiance irradiance;
+
+    explicit PhotonLight(const GlossyChannel& channel)
+        : paths(channel.trace(channel.guide, 30'000, 3)),
+          power(photon_power(paths, channel.maps)),
+          irradiance(indirect_irradiance(channel.kernel, paths, power.arrivals)) {}
+};
+
+void expect_same_bytes(const PhotonLight& a, const PhotonLight& b) {
+    ASSERT_GT(a.paths.bounces.size(), 10'000U);
+    EXPECT_TRUE(same_bytes(a.paths.bounces, b.paths.bounces));
+    EXPECT_TRUE(same_bytes(a.paths.arrivals_begin, b.paths.arrivals_begin));
+    EXPECT_TRUE(same_bytes(a.paths.arrival_direction, b.paths.arrival_direction));
+    EXPECT_TRUE(same_bytes(a.power.arrivals, b.power.arrivals));
+    EXPECT_EQ(a.power.by_bounce, b.power.by_bounce);
+    for (int half = 0; half < 2; ++half) {
+        EXPECT_TRUE(same_bytes(a.irradiance.halves[half], b.irradiance.halves[half]));
+    }
 }
 
 TEST_F(PhotonChannel, IsTheSameForAnyNumberOfThreads) {
-    struct Light {
-        PhotonPaths paths;
-        PhotonPower power;
-        IndirectIrradiance irradiance;
-    };
     const auto light = [&](int threads) {
         const ThreadLimit limit(threads);
-        Light result;
-        result.paths = channel_->trace(channel_->guide, 30'000, 3);
-        result.power = photon_power(result.paths, channel_->maps);
-        result.irradiance =
-            indirect_irradiance(channel_->kernel, result.paths, result.power.arrivals);
-        return result;
+        return PhotonLight(*channel_);
     };
-    const Light one = light(1);
-    const Light two = light(2);
-    ASSERT_GT(one.paths.bounces.size(), 10'000U);
-    EXPECT_TRUE(same_bytes(one.paths.bounces, two.paths.bounces));
-    EXPECT_TRUE(same_bytes(one.paths.arrivals_begin, two.paths.arrivals_begin));
-    EXPECT_TRUE(same_bytes(one.paths.arrival_direction, two.paths.arrival_direction));
-    EXPECT_TRUE(same_bytes(one.power.arrivals, two.power.arrivals));
-    EXPECT_EQ(one.power.by_bounce, two.power.by_bounce);
-    for (int half = 0; half < 2; ++half) {
-        EXPECT_TRUE(same_bytes(one.irradiance.halves[half], two.irradiance.halves[half]));
-    }
+    expect_same_bytes(light(1), light(2));
+}
+
+TEST_F(PhotonChannel, IsTheSameWithAvx512AndWithout) {
+    if (!takes_avx512()) GTEST_SKIP() << "this machine has no AVX-512";
+    const PhotonLight wide(*channel_);
+    const NarrowCode narrow_code;
+    ASSERT_FALSE(takes_avx512());
+    expect_same_bytes(wide, PhotonLight(*channel_));
 }
 
 // --- A closed box --------------------------------------------------------------------------------

@@ -1,10 +1,13 @@
 #include "patina/transport/photon_start.h"
 
 #include "patina/base/parallel.h"
+#include "patina/math/lanes.h"
 #include "patina/transport/photon_columns.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -20,6 +23,26 @@ constexpr float kNearShare = 0.8f;
 constexpr double kUnlitImportance = 0.2;
 
 constexpr float kInverseTurn = float(1 / (2 * kPi));
+
+// Calls copy(begin, records) for the first `count` lanes, eight at a time; records: what record(i)
+// points to for each of them. Lanes past count get what the last one has.
+void for_records(std::size_t count, const auto& record, const auto& copy) {
+    for (std::size_t begin = 0; begin < count; begin += kLanes) {
+        std::array<const void*, kLanes> records;
+        for (std::size_t k = 0; k < kLanes; ++k) {
+            records[k] = record(std::min(begin + k, count - 1));
+        }
+        copy(begin, records);
+    }
+}
+
+// Numbers first, first + 1 and first + 2 of the transposed records.
+template <std::size_t kFirst>
+void store_vector(const std::array<Lanes, kLanes>& fields, std::size_t i, Lane3& lane) {
+    store_lanes(fields[kFirst], &lane.x[i]);
+    store_lanes(fields[kFirst + 1], &lane.y[i]);
+    store_lanes(fields[kFirst + 2], &lane.z[i]);
+}
 
 // See LaneLightSample::strength.
 const Rgb& emitted(const Light& light) {
@@ -125,15 +148,21 @@ void PhotonStart::fill(std::uint64_t first_photon,
     const auto first_sample = std::uint32_t(first_photon / 2);
     numbers_.draw(1, first_sample, lanes.photon, count, lanes.u, lanes.choice);
     choose_texels(first_photon, cursor, lanes);
-    for (std::size_t i = 0; i < count; ++i) {
-        const PhotonTexel& texel = scene_.texel(lanes.texel[i]);
-        lanes.origin.set(i, texel.origin);
-        lanes.geometric_normal.set(i, texel.geometric_normal);
-        lanes.normal.set(i, texel.normal);
-        lanes.diffuse[i] = texel.diffuse;
-        lanes.lobe[i] = texel.lobe;
-        lanes.concentration[i] = texel.concentration;
-    }
+    for_records(
+        count,
+        [&](std::size_t i) { return &scene_.texel(lanes.texel[i]); },
+        [&](std::size_t i, const auto& texels) {
+            const auto near = load_transposed(texels, 0);
+            const auto far = load_transposed(texels, sizeof(Lanes));
+            store_vector<0>(near, i, lanes.origin);
+            store_vector<3>(near, i, lanes.geometric_normal);
+            store_lanes(near[6], &lanes.normal.x[i]);
+            store_lanes(near[7], &lanes.normal.y[i]);
+            store_lanes(far[0], &lanes.normal.z[i]);
+            store_lanes(far[4], &lanes.diffuse[i]);
+            store_lanes(far[5], &lanes.lobe[i]);
+            store_lanes(far[6], &lanes.concentration[i]);
+        });
     std::fill_n(lanes.survival.begin(), count, 1.0f);
     if (lamps_.turns_with_scanner) {
         numbers_.draw(2, first_sample, lanes.photon, count, lanes.u, lanes.v);
@@ -181,9 +210,14 @@ void PhotonStart::fixed_lamps(PhotonLanes& lanes) const {
         lanes.weight[i] /= probability;
         lanes.lamp[i] = std::int32_t(lamp);
     }
-    for (std::size_t i = 0; i < lanes.size; ++i) {
-        lanes.w_i.set(i, (*lamps_.direct[std::size_t(lanes.lamp[i])])[lanes.texel[i]].w_i);
-    }
+    for_records(
+        lanes.size,
+        [&](std::size_t i) {
+            return &(*lamps_.direct[std::size_t(lanes.lamp[i])])[lanes.texel[i]];
+        },
+        [&](std::size_t i, const auto& direct) {
+            store_vector<3>(load_transposed(direct, 0), i, lanes.w_i);
+        });
 }
 
 Rgbf PhotonStart::power(const PhotonLanes& lanes, std::size_t lane) const {

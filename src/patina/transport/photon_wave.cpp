@@ -1,5 +1,6 @@
 #include "patina/transport/photon_wave.h"
 
+#include "patina/base/wide_code.h"
 #include "patina/transport/lane_directions.h"
 
 #include <algorithm>
@@ -28,6 +29,10 @@ float azimuth_kernel(float difference, float half_width) {
 
 std::uint8_t half_of(std::uint32_t photon) { return static_cast<std::uint8_t>(photon % 2); }
 
+LaneDirection lane_at(const Lane3& lane, std::size_t i) {
+    return {lane.x[i], lane.y[i], lane.z[i]};
+}
+
 void prefetch(const void* address) { __builtin_prefetch(address); }
 
 }  // namespace
@@ -46,10 +51,9 @@ PhotonWave::PhotonWave(const PhotonScene& scene,
       columns_(columns),
       hits_(kWaveSize) {}
 
-void PhotonWave::follow(std::uint64_t first_photon,
-                        std::size_t count,
-                        PhotonStart::Cursor& cursor,
-                        PhotonBlock& block) {
+PhotonBlock PhotonWave::follow(std::uint64_t first_photon,
+                               std::size_t count,
+                               PhotonStart::Cursor& cursor) {
     num_rays_ = 0;
     num_paths_ = 0;
     num_bounces_.fill(0);
@@ -83,40 +87,40 @@ void PhotonWave::follow(std::uint64_t first_photon,
         }
         if (bounce == 0) num_paths_ = arrivals_.size();
     }
-    append_to(block);
+    return block();
 }
 
 // As sample_lobe(): a cosine distribution about the normal or a von Mises-Fisher distribution about
 // the mirror direction.
 void PhotonWave::sample_directions() {
     PhotonLanes& at = lanes_;
-    for (std::size_t i = 0; i < at.size; ++i) {
-        const float nx = at.normal.x[i], ny = at.normal.y[i], nz = at.normal.z[i];
-        const float cos_i = nx * at.w_i.x[i] + ny * at.w_i.y[i] + nz * at.w_i.z[i];
-        const auto [mx, my, mz] =
-            lane_mirror({nx, ny, nz}, {at.w_i.x[i], at.w_i.y[i], at.w_i.z[i]}, cos_i);
-        at.mirror.x[i] = mx;
-        at.mirror.y[i] = my;
-        at.mirror.z[i] = mz;
-        // A texel may be black altogether.
-        constexpr float kNegligibleAlbedo = 1e-30f;
-        const float lobe = at.lobe[i] / std::max(cos_i, kFloor);
-        at.share[i] = lobe / std::max(at.diffuse[i] + lobe, kNegligibleAlbedo);
-        const bool glossy = at.choice[i] < at.share[i];
-
-        const LaneDirection axis = glossy ? LaneDirection{mx, my, mz} : LaneDirection{nx, ny, nz};
-        const auto [ox, oy, oz] =
-            lane_direction(glossy, axis, at.concentration[i], at.u[i], at.v[i]);
-        at.w_o.x[i] = ox;
-        at.w_o.y[i] = oy;
-        at.w_o.z[i] = oz;
-        const float cos_o = nx * ox + ny * oy + nz * oz;
-        const float departing = at.geometric_normal.x[i] * ox + at.geometric_normal.y[i] * oy +
-                                at.geometric_normal.z[i] * oz;
-        const std::uint32_t leaves =
-            std::uint32_t(cos_i > 0) & std::uint32_t(cos_o > 0) & std::uint32_t(departing > 0);
-        at.active[i] &= -std::int32_t(leaves);
-    }
+    run_wide([&]() PATINA_WIDE {
+        for (std::size_t i = 0; i < at.size; ++i) {
+            const LaneDirection normal = lane_at(at.normal, i);
+            const LaneDirection w_i = lane_at(at.w_i, i);
+            const float cos_i = lane_dot(normal, w_i);
+            const LaneDirection mirror = lane_mirror(normal, w_i, cos_i);
+            // A texel may be black altogether.
+            constexpr float kNegligibleAlbedo = 1e-30f;
+            const float lobe = at.lobe[i] / std::max(cos_i, kFloor);
+            at.share[i] = lobe / std::max(at.diffuse[i] + lobe, kNegligibleAlbedo);
+            const bool glossy = at.choice[i] < at.share[i];
+            const LaneDirection w_o = lane_direction(
+                glossy, glossy ? mirror : normal, at.concentration[i], at.u[i], at.v[i]);
+            const float cos_o = lane_dot(normal, w_o);
+            const float departing = lane_dot(lane_at(at.geometric_normal, i), w_o);
+            at.w_o.x[i] = w_o.x;
+            at.w_o.y[i] = w_o.y;
+            at.w_o.z[i] = w_o.z;
+            at.cos_i[i] = cos_i;
+            at.cos_o[i] = cos_o;
+            at.departing[i] = departing;
+            at.chord_squared[i] = lane_chord_squared(mirror, w_o);
+            const std::uint32_t leaves =
+                std::uint32_t(cos_i > 0) & std::uint32_t(cos_o > 0) & std::uint32_t(departing > 0);
+            at.active[i] &= -std::int32_t(leaves);
+        }
+    });
 }
 
 void PhotonWave::send_rays() {
@@ -154,13 +158,13 @@ void PhotonWave::turn_to_columns() {
     num_hits_ = 0;
     for (std::size_t hit = 0; hit < count; ++hit) {
         const std::uint32_t lane = hit_lanes_.lane[hit];
-        const Vec3f normal = lanes_.normal.at(lane);
-        const Vec3f w_i = lanes_.w_i.at(lane);
-        const Vec3f mirror = 2 * normal.dot(w_i) * normal - w_i;
-        lanes_.mirror.set(lane, mirror);
+        const LaneDirection normal = lane_at(lanes_.normal, lane);
+        const LaneDirection w_i = lane_at(lanes_.w_i, lane);
+        lanes_.cos_i[lane] = lane_dot(normal, w_i);
+        lanes_.chord_squared[lane] = lane_chord_squared(
+            lane_mirror(normal, w_i, lanes_.cos_i[lane]), lane_at(lanes_.w_o, lane));
         const float reach_squared = square(kColumnReach) / lanes_.concentration[lane];
-        if (lanes_.active[lane] == 0 ||
-            (mirror - lanes_.w_o.at(lane)).squaredNorm() > reach_squared) {
+        if (lanes_.active[lane] == 0 || lanes_.chord_squared[lane] > reach_squared) {
             continue;
         }
         hit_lanes_.lane[num_hits_++] = lane;
@@ -233,37 +237,37 @@ void PhotonWave::find_texel(std::size_t number) {
 
 // The density of the directions that hit something, and what weights need to know of them.
 void PhotonWave::weigh_directions() {
-    const PhotonLanes& at = lanes_;
+    auto& at = hit_lanes_;
     for (std::size_t hit = 0; hit < num_hits_; ++hit) {
-        const std::size_t i = hit_lanes_.lane[hit];
-        const float ox = at.w_o.x[i], oy = at.w_o.y[i], oz = at.w_o.z[i];
-        const float nx = at.normal.x[i], ny = at.normal.y[i], nz = at.normal.z[i];
-        const float cos_i = nx * at.w_i.x[i] + ny * at.w_i.y[i] + nz * at.w_i.z[i];
-        const float cos_o = nx * ox + ny * oy + nz * oz;
-        const float departing = at.geometric_normal.x[i] * ox + at.geometric_normal.y[i] * oy +
-                                at.geometric_normal.z[i] * oz;
-        const float dx = at.mirror.x[i] - ox;
-        const float dy = at.mirror.y[i] - oy;
-        const float dz = at.mirror.z[i] - oz;
-        const float chord_squared = dx * dx + dy * dy + dz * dz;
-
-        const float lobe_pdf = lane_lobe_density(at.concentration[i], chord_squared);
-        const float pdf = (1 - at.share[i]) * cos_o * kInversePi + at.share[i] * lobe_pdf;
-        const float theta_r = angle_of_chord_squared(chord_squared);
-        hit_lanes_.theta_r_squared[hit] = theta_r * theta_r;
-        hit_lanes_.lobe_cosines[hit] = 1 / (std::max(cos_i, kFloor) * std::max(cos_o, kFloor));
-        hit_lanes_.geometry[hit] = departing / (pdf * at.survival[i]);
+        const std::size_t i = at.lane[hit];
+        at.cos_i[hit] = lanes_.cos_i[i];
+        at.cos_o[hit] = lanes_.cos_o[i];
+        at.departing[hit] = lanes_.departing[i];
+        at.chord_squared[hit] = lanes_.chord_squared[i];
+        at.concentration[hit] = lanes_.concentration[i];
+        at.share[hit] = lanes_.share[i];
+        at.survival[hit] = lanes_.survival[i];
     }
+    run_wide([&]() PATINA_WIDE {
+        for (std::size_t i = 0; i < num_hits_; ++i) {
+            const float lobe_pdf = lane_lobe_density(at.concentration[i], at.chord_squared[i]);
+            const float pdf = (1 - at.share[i]) * at.cos_o[i] * kInversePi + at.share[i] * lobe_pdf;
+            const float theta_r = angle_of_chord_squared(at.chord_squared[i]);
+            at.theta_r_squared[i] = theta_r * theta_r;
+            at.lobe_cosines[i] =
+                1 / (std::max(at.cos_i[i], kFloor) * std::max(at.cos_o[i], kFloor));
+            at.geometry[i] = at.departing[i] / (pdf * at.survival[i]);
+        }
+    });
 }
 
 // The lamp has been turned, and the direction may have come from any tooth.
 void PhotonWave::weigh_over_teeth() {
     for (std::size_t hit = 0; hit < num_hits_; ++hit) {
         const std::size_t i = hit_lanes_.lane[hit];
-        const Vec3f w_o = lanes_.w_o.at(i);
-        const float departing = lanes_.geometric_normal.at(i).dot(w_o);
         hit_lanes_.geometry[hit] =
-            departing / columns_->density(scene_.texel(lanes_.texel[i]), w_o);
+            lanes_.departing[i] /
+            columns_->density(scene_.texel(lanes_.texel[i]), lanes_.w_o.at(i));
     }
 }
 
@@ -321,16 +325,16 @@ void PhotonWave::reflect(std::size_t number, float survival) {
 }
 
 // Photons that arrive once do so first after the first reflection, where they are still in order.
-void PhotonWave::append_to(PhotonBlock& block) {
-    block.rays += num_rays_;
-    const std::size_t first = block.bounces.size();
-    const std::size_t end = first + arrivals_.size();
-    block.bounces.resize(end);
-    block.directions.resize(end);
-    block.halves.resize(end);
-    if (options_.keep_positions) block.positions.resize(end);
+PhotonBlock PhotonWave::block() const {
+    PhotonBlock block;
+    block.rays = num_rays_;
+    block.paths.reserve(num_paths_);
+    block.bounces.resize(arrivals_.size());
+    block.directions.resize(arrivals_.size());
+    block.halves.resize(arrivals_.size());
+    if (options_.keep_positions) block.positions.resize(arrivals_.size());
     Lane<std::uint32_t> next_bounce;
-    auto next = std::uint32_t(first);
+    std::uint32_t next = 0;
     for (std::size_t i = 0; i < num_paths_; ++i) {
         const std::uint32_t photon = arrivals_[i].photon;
         block.paths.push_back({power_[photon], next, half_of(photon)});
@@ -344,6 +348,7 @@ void PhotonWave::append_to(PhotonBlock& block) {
         block.halves[bounce] = half_of(arrival.photon);
         if (options_.keep_positions) block.positions[bounce] = arrival.position;
     }
+    return block;
 }
 
 }  // namespace patina

@@ -27,12 +27,11 @@ class PhotonWave {
                bool turns_with_scanner,
                const PhotonColumns* columns);
 
-    // Follows count <= kWaveSize photons from first_photon (even) on to their ends and appends what
+    // Follows count <= kWaveSize photons from first_photon (even) on to their ends. Returns what
     // they did, photon by photon. cursor: as for PhotonStart::fill().
-    void follow(std::uint64_t first_photon,
-                std::size_t count,
-                PhotonStart::Cursor& cursor,
-                PhotonBlock& block);
+    [[nodiscard]] PhotonBlock follow(std::uint64_t first_photon,
+                                     std::size_t count,
+                                     PhotonStart::Cursor& cursor);
 
   private:
     // A photon that hit something, on its way to the record of an arrival.
@@ -67,7 +66,7 @@ class PhotonWave {
     void arrive(std::size_t hit);
     void reflect(std::size_t hit, float survival);
     [[nodiscard]] Vec3f w_back(const Hit& hit) const { return -lanes_.w_o.at(hit.lane); }
-    void append_to(PhotonBlock& block);
+    [[nodiscard]] PhotonBlock block() const;
 
     const PhotonScene& scene_;
     const PhotonStart& start_;
@@ -82,6 +81,8 @@ class PhotonWave {
     std::vector<Hit> hits_;
     struct {
         Lane<std::uint32_t> lane, photon;
+        // Of the directions that hit, as in PhotonLanes.
+        Lane<float> cos_i, cos_o, departing, chord_squared, concentration, share, survival;
         Lane<float> theta_r_squared, lobe_cosines, geometry;
         Lane<float> choice, roulette;  // random numbers
         Lane3 origin, w_i;             // towards the lamp, before it is known to shine there
