@@ -32,25 +32,24 @@ inline void store_lanes(Lanes value, float* to) {
     const auto row = [&](std::size_t k) {
         return load_lanes(static_cast<const std::byte*>(records[k]) + offset);
     };
-    using Order [[gnu::vector_size(kLanes * sizeof(std::int32_t))]] = std::int32_t;
-    // Numbers f and f + 4 of two records, of four, of all.
+    // Of two records, of four, of all: numbers f and f + 4 come to lie side by side.
     const auto low_two = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{0, 8, 1, 9, 4, 12, 5, 13});
+        return __builtin_shufflevector(a, b, 0, 8, 1, 9, 4, 12, 5, 13);
     };
     const auto high_two = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{2, 10, 3, 11, 6, 14, 7, 15});
+        return __builtin_shufflevector(a, b, 2, 10, 3, 11, 6, 14, 7, 15);
     };
     const auto low_four = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{0, 1, 8, 9, 4, 5, 12, 13});
+        return __builtin_shufflevector(a, b, 0, 1, 8, 9, 4, 5, 12, 13);
     };
     const auto high_four = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{2, 3, 10, 11, 6, 7, 14, 15});
+        return __builtin_shufflevector(a, b, 2, 3, 10, 11, 6, 7, 14, 15);
     };
     const auto low_half = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{0, 1, 2, 3, 8, 9, 10, 11});
+        return __builtin_shufflevector(a, b, 0, 1, 2, 3, 8, 9, 10, 11);
     };
     const auto high_half = [](Lanes a, Lanes b) {
-        return __builtin_shuffle(a, b, Order{4, 5, 6, 7, 12, 13, 14, 15});
+        return __builtin_shufflevector(a, b, 4, 5, 6, 7, 12, 13, 14, 15);
     };
     const Lanes r0 = row(0), r1 = row(1);
     const Lanes r2 = row(2), r3 = row(3);
