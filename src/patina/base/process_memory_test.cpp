@@ -10,7 +10,8 @@ namespace patina {
 namespace {
 
 constexpr std::size_t kPieces = 8;
-constexpr std::size_t kPiece = std::size_t(6) << 20;  // [bytes]
+constexpr std::size_t kPiece = std::size_t(6) << 20;     // [bytes]
+constexpr std::size_t kHugePage = std::size_t(2) << 20;  // [bytes]
 
 long page_faults_of_filling() {
     rusage before{};
@@ -29,10 +30,9 @@ TEST(KeepFreedMemory, HandsOutWhatWasGivenBackWithoutAskingTheSystem) {
     GTEST_SKIP() << "the sanitizer has memory of its own";
 #endif
     keep_freed_memory();
-    const long first = page_faults_of_filling();
-    // One page at least for every huge one.
-    ASSERT_GE(first, long(kPieces * kPiece >> 21));
-    EXPECT_LE(page_faults_of_filling(), first / 10);
+    static_cast<void>(page_faults_of_filling());
+    // New memory would take a fault for each huge page at least.
+    EXPECT_LT(page_faults_of_filling(), long(kPieces * kPiece / kHugePage));
 }
 
 }  // namespace

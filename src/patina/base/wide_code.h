@@ -29,7 +29,9 @@ template <typename Loop>
 }
 #endif
 
-// Calls loop(), which every function that it calls must allow to be inlined.
+// Calls loop(), which every function that it calls must allow to be inlined. Several arrays of one
+// object may be captured by reference; addresses of different objects by value, or the compiler,
+// which cannot tell them apart then, leaves the loop scalar.
 template <typename Loop>
 void run_wide(const Loop& loop) {
 #if defined(__x86_64__)

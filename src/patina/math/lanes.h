@@ -15,15 +15,12 @@ namespace patina {
 inline constexpr std::size_t kLanes = 8;
 using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
 
-// Anywhere in memory.
+// From and to anywhere in memory.
+using UnalignedLanes [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::may_alias]] = float;
 [[nodiscard]] inline Lanes load_lanes(const void* from) {
-    using Unaligned [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::may_alias]] = float;
-    return *static_cast<const Unaligned*>(from);
+    return *static_cast<const UnalignedLanes*>(from);
 }
-inline void store_lanes(Lanes value, float* to) {
-    using Unaligned [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::may_alias]] = float;
-    *reinterpret_cast<Unaligned*>(to) = value;
-}
+inline void store_lanes(Lanes value, float* to) { *reinterpret_cast<UnalignedLanes*>(to) = value; }
 
 // Eight numbers of eight records, number by number: result[f][k] is number f of those that lie
 // `offset` bytes into what records[k] points to.

@@ -47,15 +47,6 @@ std::size_t choose_part(std::size_t count, float& u) {
     return part;
 }
 
-float dot(const Lane3& a, const Lane3& b, std::size_t i) {
-    return a.x[i] * b.x[i] + a.y[i] * b.y[i] + a.z[i] * b.z[i];
-}
-
-float chord_squared(const Lane3& a, const Lane3& b, std::size_t i) {
-    const float dx = a.x[i] - b.x[i], dy = a.y[i] - b.y[i], dz = a.z[i] - b.z[i];
-    return dx * dx + dy * dy + dz * dz;
-}
-
 void fill(Lane3& lane, std::size_t size, const Vec3f& value) {
     std::fill_n(lane.x.begin(), size, value.x());
     std::fill_n(lane.y.begin(), size, value.y());
@@ -242,8 +233,9 @@ void GatherRays::start_onward(const SurfacePoint& point,
 void GatherRays::follow_onward(TracedRow row) {
     second_.draw();
     for (std::size_t i = 0; i < second_.size; ++i) {
-        const float cos_i = dot(second_.normal, second_.w, i);
-        const float departing = dot(second_.geometric_normal, second_.w, i);
+        const LaneDirection w = lane_at(second_.w, i);
+        const float cos_i = lane_dot(lane_at(second_.normal, i), w);
+        const float departing = lane_dot(lane_at(second_.geometric_normal, i), w);
         second_.cosine[i] = cos_i;
         second_.active[i] = -(std::int32_t(cos_i > 0) & std::int32_t(departing > 0));
     }
@@ -251,7 +243,7 @@ void GatherRays::follow_onward(TracedRow row) {
     Front front;
     for (std::size_t i = 0; i < second_.size; ++i) {
         if (meet(second_, i, front) != Met::front || front.texel == kNoTexel) continue;
-        const float chord = chord_squared(second_.w, second_.mirror, i);
+        const float chord = lane_chord_squared(lane_at(second_.w, i), lane_at(second_.mirror, i));
         const float cos_i = second_.cosine[i];
         float density = cos_i * kInversePi;
         for (const float spread : kOnwardSpreads) {

@@ -7,6 +7,7 @@
 
 #include "patina/math/lane_math.h"
 #include "patina/reflectance/lobe_lanes.h"
+#include "patina/transport/photon_lanes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -17,6 +18,10 @@ namespace patina {
 struct LaneDirection {
     float x, y, z;
 };
+
+[[nodiscard]] inline LaneDirection lane_at(const Lane3& lane, std::size_t i) {
+    return {lane.x[i], lane.y[i], lane.z[i]};
+}
 
 // Of w about the normal, both unit; cosine: between them [-].
 [[nodiscard]] inline LaneDirection lane_mirror(const LaneDirection& normal,

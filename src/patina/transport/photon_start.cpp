@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <utility>
@@ -43,6 +42,18 @@ void store_vector(const std::array<Lanes, kLanes>& fields, std::size_t i, Lane3&
     store_lanes(fields[kFirst + 1], &lane.y[i]);
     store_lanes(fields[kFirst + 2], &lane.z[i]);
 }
+
+// Where the numbers lie that are read in eights.
+constexpr bool lies_at(std::size_t offset, std::size_t number) {
+    return offset == number * sizeof(float);
+}
+static_assert(lies_at(offsetof(PhotonTexel, origin), 0));
+static_assert(lies_at(offsetof(PhotonTexel, geometric_normal), 3));
+static_assert(lies_at(offsetof(PhotonTexel, normal), 6));
+static_assert(lies_at(offsetof(PhotonTexel, diffuse), kLanes + 4));
+static_assert(lies_at(offsetof(PhotonTexel, lobe), kLanes + 5));
+static_assert(lies_at(offsetof(PhotonTexel, concentration), kLanes + 6));
+static_assert(lies_at(offsetof(DirectLight, w_i), 3) && sizeof(DirectLight) == sizeof(Lanes));
 
 // See LaneLightSample::strength.
 const Rgb& emitted(const Light& light) {

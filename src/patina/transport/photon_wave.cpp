@@ -29,10 +29,6 @@ float azimuth_kernel(float difference, float half_width) {
 
 std::uint8_t half_of(std::uint32_t photon) { return static_cast<std::uint8_t>(photon % 2); }
 
-LaneDirection lane_at(const Lane3& lane, std::size_t i) {
-    return {lane.x[i], lane.y[i], lane.z[i]};
-}
-
 void prefetch(const void* address) { __builtin_prefetch(address); }
 
 }  // namespace
