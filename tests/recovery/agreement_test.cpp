@@ -1,9 +1,7 @@
 // Methods gather and photon compute the same light in different ways, so their maps are the same
 // within what each states of its errors, and so is the light that each found under its maps and the
 // path tracer's.
-#include "patina/base/random.h"
-#include "patina/estimate/gather_engine.h"
-#include "patina/transport/path_tracer.h"
+#include "support/agreement.h"
 
 #include <gtest/gtest.h>
 
@@ -15,25 +13,10 @@
 namespace patina {
 namespace {
 
-// Differences over the standard error of a difference.
-struct Scores {
-    double beyond = 0;  // |z| > 1.96
-    double count = 0;
-
-    void add(double a, double b, double error_a, double error_b) {
-        const double deviation = std::hypot(error_a, error_b);
-        if (!std::isfinite(deviation)) return;
-        beyond += std::abs(a - b) > 1.96 * deviation;
-        count += 1;
-    }
-};
-
 // What docs/uncertainty.md states of the indirect light: a bias of so much of it.
 constexpr double kStatedBias = 0.02;
 // Neighbours share their errors, say so many to a patch.
 constexpr double kPatch = 10;
-constexpr int kPaths = 64;
-constexpr int kTurns = 40;  // light that has bounced more often does not count
 
 // Less than 5 % beyond 1.96. A false alarm of one in a thousand is at 3.1 standard deviations of
 // the share.
@@ -43,83 +26,14 @@ void expect_agreement(const Scores& scores) {
     EXPECT_LE(scores.beyond / scores.count, 0.05 + chance);
 }
 
-// All of the light that an engine finds under `maps` against all of the path tracer's under the
-// same maps: one lamp set at every texel, by turns.
-class PathTracerCheck {
-  public:
-    PathTracerCheck(const Capture& capture, std::span<const Reflectance> maps)
-        : capture_(capture),
-          maps_(maps),
-          tracer_(capture.mesh),
-          scene_(view_scene(capture, surface_, progress_)),
-          field_(ReflectanceField::per_texel(capture.mesh, capture.atlas, maps)) {}
-
-    void run(const EstimateOptions& options) {
-        if (options.method == Method::gather) {
-            GatherEngine engine(surface_, capture_.atlas, scene_, options, progress_);
-            compare(engine);
-        } else {
-            PhotonEngine engine(surface_, capture_.atlas, scene_, options, progress_);
-            compare(engine);
-        }
-    }
-
-  private:
-    struct Sum {
-        double value = 0;
-        double variance = 0;
-    };
-    // Irradiance in green at a texel under a lamp set.
-    [[nodiscard]] Sum trace(std::size_t texel, std::size_t set) const {
-        std::vector<Light> lights;
-        for (const std::size_t light : scene_.lamp_sets[set].indices) {
-            lights.push_back(*scene_.lights[light]);
-        }
-        const Texel& place = capture_.atlas.texels[texel];
-        double sum = 0;
-        double squares = 0;
-        for (std::uint32_t path = 0; path < kPaths; ++path) {
-            SobolSampler numbers(7, Pass::tests, texel, path);
-            const double sample = trace_indirect_irradiance(
-                surface_, field_, lights, place.azimuth, place.point, {}, numbers)[1];
-            sum += sample;
-            squares += square(sample);
-        }
-        const double mean = sum / kPaths;
-        // As if the paths were independent; Sobol's are better spread.
-        return {mean, std::max(0.0, squares / kPaths - square(mean)) / kPaths};
-    }
-
-    void compare(IndirectEngine& engine) {
-        const std::vector<std::uint8_t> nowhere(maps_.size(), 0);
-        IndirectLight light;
-        for (int turn = 0; turn < kTurns; ++turn) light = engine.evaluate(maps_, nowhere, true);
-        Sum found;
-        Sum traced;
-        for (std::size_t i = 0; i < maps_.size(); ++i) {
-            const std::size_t set = i % scene_.lamp_sets.size();
-            found.value += light.irradiance[set].mean(i)[1];
-            found.variance += light.irradiance[set].variance(i)[1];
-            const Sum texel = trace(i, set);
-            traced.value += texel.value;
-            traced.variance += texel.variance;
-        }
-        // The stated bias, and four standard deviations of chance: one false alarm in 16 000. The
-        // halves of neighbours share rays or photons, so that their variances count tenfold.
-        EXPECT_NEAR(
-            found.value,
-            traced.value,
-            kStatedBias * traced.value + 4 * std::sqrt(kPatch * found.variance + traced.variance));
-    }
-
-    const Capture& capture_;
-    std::span<const Reflectance> maps_;
-    Progress progress_;
-    Tracer tracer_;
-    Surface surface_{&capture_.mesh, &tracer_};
-    SceneView scene_;
-    ReflectanceField field_;
-};
+// The stated bias, and four standard deviations of chance: one false alarm in 16 000. The halves of
+// neighbours share rays or photons, so that their variances count tenfold.
+void expect_same_light(const LightSum& found, const LightSum& traced) {
+    EXPECT_NEAR(
+        found.value,
+        traced.value,
+        kStatedBias * traced.value + 4 * std::sqrt(kPatch * found.variance + traced.variance));
+}
 
 struct Case {
     const char* name;
@@ -189,11 +103,12 @@ TEST(AgreementUnderFinalMaps, OfBothWithThePathTracer) {
     EstimateOptions options;
     options.method = Method::gather;
     const Estimate estimate = capture.estimate(options);
-    PathTracerCheck check(capture.capture(), estimate.maps);
-    check.run(options);
+    PathTracerCheck check(capture.capture(), estimate.maps, 1);
+    const LightSum traced = check.traced();
+    expect_same_light(check.found(options), traced);
     options.method = Method::photon;
     options.photons.photons = 100'000;
-    check.run(options);
+    expect_same_light(check.found(options), traced);
 }
 
 struct Lobe {
@@ -210,7 +125,8 @@ TEST_P(AgreementUnderLobes, OfGatherWithThePathTracer) {
                                         {Rgb::Constant(0.4), albedo / (2 * square(sigma)), sigma});
     EstimateOptions options;
     options.method = Method::gather;
-    PathTracerCheck(capture.capture(), maps).run(options);
+    PathTracerCheck check(capture.capture(), maps, 1);
+    expect_same_light(check.found(options), check.traced());
 }
 
 // What narrow lobes send on goes by photons; what strong ones send on of indirect light, over

@@ -120,12 +120,26 @@ TEST(PlatesWithoutHighlights, AreFlattenedByGathering) {
     options.method = Method::gather;
     const Estimate estimate = capture.estimate(options);
     EXPECT_TRUE(estimate.converged);
+    constexpr double kClaimedBias = 0.015;  // of the project, in the mean
     const std::vector<double> errors = capture.row_errors(estimate, 0);
-    // What the project claims.
-    EXPECT_NEAR(mean_of(errors), 0, 0.015);
+    EXPECT_NEAR(mean_of(errors), 0, kClaimedBias);
     ASSERT_TRUE(estimate.shared_lobe.has_value());
     EXPECT_GT(estimate.shared_lobe->specular_albedo, 0);
     for (const Reflectance& map : estimate.maps) EXPECT_GT(map.specular, 0);
+    // No texel's Pd is spoilt by a lobe that nothing tells: beyond the claimed bias there is the
+    // noise of its looks, of the sensor and the renderer 2 % each and independent. That goes beyond
+    // five standard deviations in one of 7200 values once in 240 runs.
+    const double bound = kClaimedBias + 5 * 0.02 / std::sqrt(double(lamps.size()));
+    const Image& truth = capture.truth().diffuse;
+    for (std::size_t i = 0; i < estimate.maps.size(); ++i) {
+        const auto [column, row] = std::pair(capture.capture().atlas.texels[i].column,
+                                             capture.capture().atlas.texels[i].row);
+        for (int c = 0; c < 3; ++c) {
+            const double value = double(truth.at(column, row, c));
+            EXPECT_NEAR(estimate.maps[i].diffuse[c] / value, 1, bound)
+                << "column " << column << ", row " << row << ", channel " << c;
+        }
+    }
 }
 
 }  // namespace
