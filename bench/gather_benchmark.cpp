@@ -11,13 +11,12 @@
 // of the lobe that it meets; what those that matter go on to read and add is not counted.
 #include "patina/base/parallel.h"
 #include "patina/estimate/joint_fit.h"
-#include "patina/scan/scanner.h"
 #include "patina/transport/gather_sweep.h"
 
 #include <benchmark/benchmark.h>
 
+#include "scanned_object.h"
 #include <array>
-#include <memory>
 #include <vector>
 
 namespace patina {
@@ -68,23 +67,8 @@ void arithmetic(benchmark::State& state) {
 }
 
 // Object A under one block of standing lamps.
-struct Scene {
-    Scene() {
-        ScanOptions scan;
-        scan.rows = 256;
-        const SimulatedObject object = make_object(ObjectKind::a, scan.columns, scan.rows);
-        capture = simulate_rig(object, scan);
-        tracer = std::make_unique<Tracer>(capture.mesh);
-        surface = {&capture.mesh, tracer.get()};
-        const TruthMaps truth = truth_maps(object, scan);
-        for (const Texel& texel : capture.atlas.texels) {
-            Reflectance& map = maps.emplace_back();
-            for (int c = 0; c < 3; ++c) {
-                map.diffuse[c] = double(truth.diffuse.at(texel.column, texel.row, c));
-            }
-            map.specular = double(truth.specular.at(texel.column, texel.row));
-            map.roughness = double(truth.roughness.at(texel.column, texel.row));
-        }
+struct Scene : ScannedObject {
+    Scene() : ScannedObject(ObjectKind::a) {
         Progress progress;
         graph = trace_gather_graph(surface, capture.atlas, {}, {}, progress);
         direct.reserve(kLampLanes);
@@ -97,10 +81,6 @@ struct Scene {
         filter = build_surface_filter(capture.atlas, 2);
     }
 
-    Capture capture;
-    std::unique_ptr<Tracer> tracer;
-    Surface surface;
-    std::vector<Reflectance> maps;
     GatherGraph graph;
     std::vector<std::vector<DirectLight>> direct;
     LampBlock lamps;

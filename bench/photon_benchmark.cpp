@@ -10,13 +10,13 @@
 // Shadow rays to lamps that turn are part of the photons' time and not of the bare rays'.
 #include "patina/base/parallel.h"
 #include "patina/base/process_memory.h"
-#include "patina/scan/scanner.h"
 #include "patina/transport/photon_paths.h"
 #include "patina/transport/ratio_kernel.h"
 
 #include <embree3/rtcore.h>
 #include <fmt/format.h>
 
+#include "scanned_object.h"
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -26,7 +26,6 @@
 #include <dlfcn.h>
 #include <exception>
 #include <limits>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -75,7 +74,6 @@ namespace patina {
 namespace {
 
 constexpr std::size_t kRaysPerBlock = 8192;
-constexpr std::size_t kLamp = 37;  // of the 60 candidates
 constexpr std::uint32_t kStream = 0;
 
 double seconds_of(const auto& work) {
@@ -84,44 +82,7 @@ double seconds_of(const auto& work) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// What the photons travel over: an object as the virtual scanner hands it out, under one lamp.
-struct Scene {
-    explicit Scene(ObjectKind kind) {
-        ScanOptions scan;
-        scan.rows = kind == ObjectKind::a ? 256 : 512;
-        const SimulatedObject object = make_object(kind, scan.columns, scan.rows);
-        capture = simulate_rig(object, scan);
-        tracer = std::make_unique<Tracer>(capture.mesh);
-        surface = {&capture.mesh, tracer.get()};
-        const TruthMaps truth = truth_maps(object, scan);
-        for (const Texel& texel : capture.atlas.texels) {
-            const std::size_t pixel =
-                std::size_t(texel.row) * std::size_t(scan.columns) + std::size_t(texel.column);
-            Reflectance& map = maps.emplace_back();
-            for (std::size_t c = 0; c < 3; ++c) {
-                map.diffuse[Eigen::Index(c)] = double(truth.diffuse.data[3 * pixel + c]);
-            }
-            map.specular = double(truth.specular.data[pixel]);
-            map.roughness = std::max(kMinRoughness, double(truth.roughness.data[pixel]));
-            w_v.push_back((texel.point.normal + 0.3 * Vec3::UnitY()).normalized().cast<float>());
-        }
-        const Light& lamp = capture.description.lights[kLamp];
-        direct = direct_light(surface, capture.atlas, lamp);
-        lamps.lights = {&lamp};
-        lamps.direct = {&direct};
-        lamps.turns_with_scanner = lamp.frame == FrameOfReference::scanner;
-    }
-
-    Capture capture;
-    std::unique_ptr<Tracer> tracer;
-    Surface surface;
-    std::vector<Reflectance> maps;
-    std::vector<Vec3f> w_v;
-    std::vector<DirectLight> direct;
-    LampSet lamps;
-};
-
-PhotonPaths trace(const Scene& scene, const PhotonScene& photon_scene, std::uint64_t photons) {
+PhotonPaths trace(const LitObject& scene, const PhotonScene& photon_scene, std::uint64_t photons) {
     PhotonOptions options;
     options.photons = photons;
     Progress progress;
@@ -179,7 +140,7 @@ struct RayTimes {
     Times photons;  // the same rays within trace_photons()
 };
 
-RayTimes time_rays(const Scene& scene, std::uint64_t photons, int repeats, int threads) {
+RayTimes time_rays(const LitObject& scene, std::uint64_t photons, int repeats, int threads) {
     const PhotonScene photon_scene(scene.surface, scene.capture.atlas, scene.maps);
     const ThreadLimit limit(threads);
     RayTimes times;
@@ -193,7 +154,7 @@ RayTimes time_rays(const Scene& scene, std::uint64_t photons, int repeats, int t
     return times;
 }
 
-void compare_with_bare_rays(const Scene& scene, std::uint64_t photons, int repeats) {
+void compare_with_bare_rays(const LitObject& scene, std::uint64_t photons, int repeats) {
     {
         const ThreadLimit limit(1);
         recording().active = true;
@@ -247,7 +208,7 @@ void print_least(const char* name, int repeats, std::size_t elements, const auto
 }
 
 // Everything that one turn of the paper's method does with stored photons of one lamp.
-void time_steps(const Scene& scene, std::uint64_t photons, int repeats) {
+void time_steps(const LitObject& scene, std::uint64_t photons, int repeats) {
     const TexelAtlas& atlas = scene.capture.atlas;
     const PhotonScene photon_scene(scene.surface, scene.capture.atlas, scene.maps);
     const PhotonPaths paths = trace(scene, photon_scene, photons);
@@ -257,6 +218,10 @@ void time_steps(const Scene& scene, std::uint64_t photons, int repeats) {
     }
     const RatioKernel kernel = build_ratio_kernel(atlas, arrivals, {});
     const PhotonPower power = photon_power(paths, scene.maps);
+    std::vector<Vec3f> w_v;
+    for (const Texel& texel : atlas.texels) {
+        w_v.push_back((texel.point.normal + 0.3 * Vec3::UnitY()).normalized().cast<float>());
+    }
     const std::vector<std::uint8_t> wanted(atlas.texels.size(), 1);
     fmt::print("{} texels, {} kernel entries, {} threads\n",
                atlas.texels.size(),
@@ -273,7 +238,7 @@ void time_steps(const Scene& scene, std::uint64_t photons, int repeats) {
     });
     print_least("indirect_lobe", repeats, atlas.texels.size(), [&] {
         static_cast<void>(
-            indirect_lobe(kernel, paths, power.arrivals, atlas, scene.w_v, scene.maps, wanted));
+            indirect_lobe(kernel, paths, power.arrivals, atlas, w_v, scene.maps, wanted));
     });
 }
 
@@ -281,7 +246,7 @@ void run(const std::vector<std::string>& words) {
     const auto word = [&](std::size_t i, const char* otherwise) {
         return words.size() > i ? words[i] : std::string(otherwise);
     };
-    const Scene scene(object_kind_from_name(word(0, "A")));
+    const LitObject scene(object_kind_from_name(word(0, "A")));
     const std::uint64_t photons = std::stoull(word(1, "2000000"));
     const int repeats = std::stoi(word(2, "7"));
     compare_with_bare_rays(scene, photons, repeats);

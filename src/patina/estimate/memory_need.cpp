@@ -9,6 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace patina {
@@ -26,11 +27,20 @@ std::string in_gibibytes(double bytes) { return fmt::format("{:.2f} GiB", bytes 
 
 // What makes most of the need, as words on what would lower it.
 std::string advice(const MemoryNeed& need) {
-    const double by_rays = need.graph + need.lanes;
-    if (by_rays > need.looks + need.light && by_rays > need.images) {
-        return "fewer --gather-rays and --lobe-rays lower it";
-    }
-    return "shots marked as held out, or fewer texels, lower it";
+    struct Part {
+        double bytes = 0;
+        const char* words = nullptr;
+    };
+    const std::array parts = {
+        Part{std::max(need.looks + need.light, need.images),
+             "shots marked as held out, or fewer texels, lower it"},
+        Part{need.graph + need.lanes, "fewer --gather-rays and --lobe-rays lower it"},
+        Part{need.photons, "fewer --photons lower it"},
+    };
+    return std::max_element(parts.begin(),
+                            parts.end(),
+                            [](const Part& a, const Part& b) { return a.bytes < b.bytes; })
+        ->words;
 }
 
 }  // namespace

@@ -87,6 +87,8 @@ TEST(MemoryPlan, SaysWhatIsNeededAndWhatLowersIt) {
     expect_error("shots marked as held out");
     counts.hits.irradiance.hits *= 4;
     expect_error("fewer --gather-rays and --lobe-rays");
+    counts.photons *= 1000;
+    expect_error("fewer --photons");
 }
 
 }  // namespace
