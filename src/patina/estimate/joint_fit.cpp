@@ -9,7 +9,6 @@
 namespace patina {
 namespace {
 
-constexpr std::size_t kVector = 8;
 constexpr int kRoughnessGrid = 14;
 // The errors-in-variables term never takes away more than this share of the information.
 constexpr double kMaxNoiseShare = 0.5;
@@ -23,6 +22,15 @@ constexpr int kMaxSteps = 8;
 constexpr double kLogTolerance = 1e-4;
 constexpr double kErrorTolerance = 0.01;
 constexpr int kMaxRefinements = 12;
+
+// Sums of the lanes, in double precision.
+Rgb sum_of(const std::array<Lanes, 3>& lanes) {
+    return Rgb(sum_of_lanes(lanes[0]), sum_of_lanes(lanes[1]), sum_of_lanes(lanes[2]));
+}
+
+std::array<float, 3> to_floats(const Rgb& color) {
+    return {float(color[0]), float(color[1]), float(color[2])};
+}
 
 template <typename Cost>
 double refine(Bracket bracket, const Cost& cost) {
@@ -38,7 +46,6 @@ double refine(Bracket bracket, const Cost& cost) {
 
 void JointFit::load(std::span<const FitRow> rows) {
     num_rows_ = rows.size();
-    num_lanes_ = (rows.size() + kVector - 1) / kVector * kVector;
     std::size_t num_terms = 0;
     for (const FitRow& row : rows) num_terms += row.lamps.size();
     one_lamp_each_ = std::all_of(
@@ -47,55 +54,73 @@ void JointFit::load(std::span<const FitRow> rows) {
         return (row.indirect_lobe.twice != 0.0f).any();
     });
     indirect_roughness_ = rows.empty() ? 1.0 : rows.front().indirect_roughness;
-    const std::size_t padded_terms =
-        one_lamp_each_ ? num_lanes_ : (num_terms + kVector - 1) / kVector * kVector;
-    theta_squared_.assign(padded_terms, 0.0f);
-    spread_along_.assign(padded_terms, 0.0f);
-    spread_across_.assign(padded_terms, 0.0f);
-    gaussian_.assign(padded_terms, 0.0f);
-    gaussian_slope_.assign(padded_terms, 0.0f);
+    const std::size_t num_lanes = (rows.size() + kLanes - 1) / kLanes;
+    const std::size_t num_term_lanes = (num_terms + kLanes - 1) / kLanes;
+    rows_.assign(num_lanes, {});
+    terms_.assign(num_term_lanes, {});
+    basis_.resize(num_lanes);
+    basis_slope_.resize(num_lanes);
+    gaussian_.resize(num_term_lanes);
+    gaussian_slope_.resize(num_term_lanes);
     row_of_term_.clear();
-    for (std::size_t c = 0; c < 3; ++c) {
-        amplitude_[c].assign(padded_terms, 0.0f);
-        for (Lanes* lanes :
-             {&weight_[c], &irradiance_[c], &radiance_[c], &basis_[c], &basis_slope_[c]}) {
-            lanes->assign(num_lanes_, 0.0f);
-        }
-        if (!has_indirect_) continue;
-        for (Lanes* lanes : {&same_[c], &slope_[c], &bend_[c]}) lanes->assign(num_lanes_, 0.0f);
-    }
     hh_ = ho_ = oo_ = Rgb::Zero();
-    std::size_t term = 0;
     for (std::size_t r = 0; r < num_rows_; ++r) {
-        const FitRow& row = rows[r];
-        for (const LampTerm& lamp : row.lamps) {
-            theta_squared_[term] = lamp.theta_r_squared;
-            spread_along_[term] = lamp.spread_along;
-            spread_across_[term] = lamp.spread_across;
-            for (std::size_t c = 0; c < 3; ++c) {
-                amplitude_[c][term] =
-                    lamp.irradiance[Eigen::Index(c)] * lamp.lobe_cosines * float(1 / kPi);
-            }
-            row_of_term_.push_back(std::uint32_t(r));
-            ++term;
+        for (const LampTerm& lamp : rows[r].lamps) load_term(lamp, r);
+        load_row(rows[r], r);
+    }
+    inverse_hh_ = (hh_ > 0).select(1 / hh_, 0.0);
+}
+
+void JointFit::load_term(const LampTerm& lamp, std::size_t row) {
+    const std::size_t term = row_of_term_.size();
+    Terms& terms = terms_[term / kLanes];
+    const std::size_t lane = term % kLanes;
+    terms.theta_squared[lane] = lamp.theta_r_squared;
+    terms.spread_along[lane] = lamp.spread_along;
+    terms.spread_across[lane] = lamp.spread_across;
+    for (std::size_t c = 0; c < 3; ++c) {
+        terms.amplitude[c][lane] =
+            lamp.irradiance[Eigen::Index(c)] * lamp.lobe_cosines * float(1 / kPi);
+    }
+    row_of_term_.push_back(std::uint32_t(row));
+}
+
+void JointFit::load_row(const FitRow& row, std::size_t number) {
+    Rows& rows = rows_[number / kLanes];
+    const std::size_t lane = number % kLanes;
+    const Rgb h = row.irradiance / kPi;
+    const Rgb noise = (row.irradiance_variance / square(kPi)).min(kMaxNoiseShare * h * h);
+    const Rgb wo = row.weight * row.radiance;
+    hh_ += row.weight * (h * h - noise);
+    ho_ += wo * h;
+    oo_ += wo * row.radiance;
+    for (std::size_t c = 0; c < 3; ++c) {
+        const auto i = static_cast<Eigen::Index>(c);
+        rows.weight[c][lane] = float(row.weight[i]);
+        rows.irradiance[c][lane] = float(h[i]);
+        rows.radiance[c][lane] = float(row.radiance[i]);
+        if (!has_indirect_) continue;
+        const IndirectLobe& lobe = row.indirect_lobe;
+        rows.same[c][lane] = lobe.same[i] * float(1 / kPi);
+        rows.slope[c][lane] = 0.5f * (lobe.twice[i] - lobe.half[i]) * float(1 / kPi);
+        rows.bend[c][lane] =
+            (0.5f * (lobe.twice[i] + lobe.half[i]) - lobe.same[i]) * float(1 / kPi);
+    }
+}
+
+void JointFit::collect(const std::vector<Lanes>& of_term, std::vector<RgbLanes>& of_row) const {
+    if (one_lamp_each_) {
+        for (std::size_t k = 0; k < terms_.size(); ++k) {
+            for (std::size_t c = 0; c < 3; ++c) of_row[k][c] = terms_[k].amplitude[c] * of_term[k];
         }
+        return;
+    }
+    std::fill(of_row.begin(), of_row.end(), RgbLanes{});
+    for (std::size_t t = 0; t < row_of_term_.size(); ++t) {
+        const std::size_t row = row_of_term_[t];
         for (std::size_t c = 0; c < 3; ++c) {
-            const auto i = static_cast<Eigen::Index>(c);
-            const double w = row.weight[i];
-            const double h = row.irradiance[i] / kPi;
-            weight_[c][r] = float(w);
-            irradiance_[c][r] = float(h);
-            radiance_[c][r] = float(row.radiance[i]);
-            const double noise =
-                std::min(row.irradiance_variance[i] / square(kPi), kMaxNoiseShare * h * h);
-            hh_[i] += w * (h * h - noise);
-            ho_[i] += w * h * row.radiance[i];
-            oo_[i] += w * square(row.radiance[i]);
-            if (!has_indirect_) continue;
-            const IndirectLobe& lobe = row.indirect_lobe;
-            same_[c][r] = lobe.same[i] * float(1 / kPi);
-            slope_[c][r] = 0.5f * (lobe.twice[i] - lobe.half[i]) * float(1 / kPi);
-            bend_[c][r] = (0.5f * (lobe.twice[i] + lobe.half[i]) - lobe.same[i]) * float(1 / kPi);
+            of_row[row / kLanes][c][row % kLanes] +=
+                terms_[t / kLanes].amplitude[c][t % kLanes] * of_term[t / kLanes][t % kLanes];
         }
     }
 }
@@ -103,30 +128,22 @@ void JointFit::load(std::span<const FitRow> rows) {
 void JointFit::basis_at(double roughness) const {
     const auto variance = float(square(roughness));
     // See spread_gaussian().
-    for (std::size_t t = 0; t < theta_squared_.size(); ++t) {
-        const float along = variance + spread_along_[t];
-        const float across = variance + spread_across_[t];
-        gaussian_[t] = exp_of_negative(-0.5f * theta_squared_[t] / along) * variance /
-                       std::sqrt(along * across);
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+        const Lanes along = variance + terms_[k].spread_along;
+        const Lanes across = variance + terms_[k].spread_across;
+        gaussian_[k] = exp_of_negative(-0.5f * terms_[k].theta_squared / along) * variance /
+                       square_root(along * across);
     }
+    collect(gaussian_, basis_);
+    if (!has_indirect_) return;
+    // The parabola through the three widths (see lobe_basis()).
     const auto octave = float(std::clamp(std::log2(roughness / indirect_roughness_), -1.0, 1.0));
-    for (std::size_t c = 0; c < 3; ++c) {
-        Lanes& basis = basis_[c];
-        if (one_lamp_each_) {
-            for (std::size_t l = 0; l < num_lanes_; ++l) {
-                basis[l] = amplitude_[c][l] * gaussian_[l];
-            }
-        } else {
-            std::fill(basis.begin(), basis.end(), 0.0f);
-            for (std::size_t t = 0; t < row_of_term_.size(); ++t) {
-                basis[row_of_term_[t]] += amplitude_[c][t] * gaussian_[t];
-            }
-        }
-        if (!has_indirect_) continue;
-        // The parabola through the three widths (see lobe_basis()).
-        for (std::size_t l = 0; l < num_lanes_; ++l) {
-            const float over_square = same_[c][l] + octave * (slope_[c][l] + octave * bend_[c][l]);
-            basis[l] += std::max(over_square, 0.0f) * variance;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Rows& rows = rows_[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes over_square =
+                rows.same[c] + octave * (rows.slope[c] + octave * rows.bend[c]);
+            basis_[k][c] += (over_square > 0.0f ? over_square : Lanes{}) * variance;
         }
     }
 }
@@ -135,70 +152,55 @@ void JointFit::basis_at(double roughness) const {
 void JointFit::slope_at(double roughness) const {
     const auto variance = float(square(roughness));
     // The logarithm of spread_gaussian(), with 2 variance for its derivative in log sigma.
-    for (std::size_t t = 0; t < theta_squared_.size(); ++t) {
-        const float along = variance / (variance + spread_along_[t]);
-        const float across = variance / (variance + spread_across_[t]);
-        gaussian_slope_[t] =
-            gaussian_[t] * (2.0f - along - across + theta_squared_[t] / variance * (along * along));
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+        const Terms& terms = terms_[k];
+        const Lanes along = variance / (variance + terms.spread_along);
+        const Lanes across = variance / (variance + terms.spread_across);
+        gaussian_slope_[k] = gaussian_[k] * (2.0f - along - across +
+                                             terms.theta_squared / variance * (along * along));
     }
+    collect(gaussian_slope_, basis_slope_);
+    if (!has_indirect_) return;
     const double octave = std::log2(roughness / indirect_roughness_);
     const auto clamped = float(std::clamp(octave, -1.0, 1.0));
     const auto by_log = float(std::abs(octave) < 1 ? 1 / std::log(2.0) : 0.0);
-    for (std::size_t c = 0; c < 3; ++c) {
-        Lanes& slope = basis_slope_[c];
-        if (one_lamp_each_) {
-            for (std::size_t l = 0; l < num_lanes_; ++l) {
-                slope[l] = amplitude_[c][l] * gaussian_slope_[l];
-            }
-        } else {
-            std::fill(slope.begin(), slope.end(), 0.0f);
-            for (std::size_t t = 0; t < row_of_term_.size(); ++t) {
-                slope[row_of_term_[t]] += amplitude_[c][t] * gaussian_slope_[t];
-            }
-        }
-        if (!has_indirect_) continue;
-        for (std::size_t l = 0; l < num_lanes_; ++l) {
-            const float over_square =
-                same_[c][l] + clamped * (slope_[c][l] + clamped * bend_[c][l]);
-            const float rise = by_log * (slope_[c][l] + 2.0f * clamped * bend_[c][l]);
-            slope[l] += over_square > 0.0f ? variance * (2.0f * over_square + rise) : 0.0f;
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Rows& rows = rows_[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes over_square =
+                rows.same[c] + clamped * (rows.slope[c] + clamped * rows.bend[c]);
+            const Lanes rise = by_log * (rows.slope[c] + 2.0f * clamped * rows.bend[c]);
+            basis_slope_[k][c] +=
+                over_square > 0.0f ? variance * (2.0f * over_square + rise) : Lanes{};
         }
     }
 }
 
 JointFit::Sums JointFit::sums_at(double roughness) const {
     basis_at(roughness);
-    Sums sums;
-    for (std::size_t c = 0; c < 3; ++c) {
-        std::array<float, kVector> hb{}, bb{}, bo{};
-        for (std::size_t begin = 0; begin < num_lanes_; begin += kVector) {
-            for (std::size_t l = 0; l < kVector; ++l) {
-                const std::size_t r = begin + l;
-                const float wb = weight_[c][r] * basis_[c][r];
-                hb[l] += wb * irradiance_[c][r];
-                bb[l] += wb * basis_[c][r];
-                bo[l] += wb * radiance_[c][r];
-            }
-        }
-        const auto i = static_cast<Eigen::Index>(c);
-        for (std::size_t l = 0; l < kVector; ++l) {
-            sums.hb[i] += double(hb[l]);
-            sums.bb[i] += double(bb[l]);
-            sums.bo[i] += double(bo[l]);
+    RgbLanes hb{}, bb{}, bo{};
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Rows& rows = rows_[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes basis = basis_[k][c];
+            const Lanes wb = rows.weight[c] * basis;
+            hb[c] += wb * rows.irradiance[c];
+            bb[c] += wb * basis;
+            bo[c] += wb * rows.radiance[c];
         }
     }
-    return sums;
+    return {sum_of(hb), sum_of(bb), sum_of(bo)};
 }
 
 double JointFit::specular_of(const Sums& sums) const {
-    const Rgb inverse = (hh_ > 0).select(1 / hh_, 0.0);
-    const double information = (sums.bb - sums.hb * sums.hb * inverse).sum();
+    const Rgb share = sums.hb * inverse_hh_;
+    const double information = (sums.bb - sums.hb * share).sum();
     if (!(information > 0)) return 0;
-    return std::max(0.0, (sums.bo - sums.hb * ho_ * inverse).sum() / information);
+    return std::max(0.0, (sums.bo - share * ho_).sum() / information);
 }
 
 Rgb JointFit::diffuse_of(const Sums& sums, double specular) const {
-    return (hh_ > 0).select((ho_ - specular * sums.hb) / hh_, 0.0).max(0.0);
+    return ((ho_ - specular * sums.hb) * inverse_hh_).max(0.0);
 }
 
 double JointFit::cost_at(double log_roughness) const {
@@ -215,39 +217,30 @@ std::optional<JointFit::Step> JointFit::step_at(double log_roughness) const {
     const Sums sums = sums_at(roughness);
     const double ps = specular_of(sums);
     if (!(ps > 0)) return std::nullopt;
-    const Rgb pd = diffuse_of(sums, ps);
     slope_at(roughness);
     // At the best Pd and Ps for this sigma the derivative of the cost is that by sigma alone; its
     // second one is taken without what Pd and Ps can make up for (Kaufman's approximation).
-    double descent = 0;
-    Rgb hs = Rgb::Zero(), bs = Rgb::Zero(), ss = Rgb::Zero();
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto i = static_cast<Eigen::Index>(c);
-        const auto diffuse = float(pd[i]);
-        const auto specular = float(ps);
-        std::array<float, kVector> rs_lanes{}, hs_lanes{}, bs_lanes{}, ss_lanes{};
-        for (std::size_t begin = 0; begin < num_lanes_; begin += kVector) {
-            for (std::size_t l = 0; l < kVector; ++l) {
-                const std::size_t r = begin + l;
-                const float ws = weight_[c][r] * basis_slope_[c][r];
-                rs_lanes[l] +=
-                    ws * (radiance_[c][r] - diffuse * irradiance_[c][r] - specular * basis_[c][r]);
-                hs_lanes[l] += ws * irradiance_[c][r];
-                bs_lanes[l] += ws * basis_[c][r];
-                ss_lanes[l] += ws * basis_slope_[c][r];
-            }
-        }
-        for (std::size_t l = 0; l < kVector; ++l) {
-            descent += double(rs_lanes[l]);
-            hs[i] += double(hs_lanes[l]);
-            bs[i] += double(bs_lanes[l]);
-            ss[i] += double(ss_lanes[l]);
+    const std::array<float, 3> diffuse = to_floats(diffuse_of(sums, ps));
+    const auto specular = float(ps);
+    RgbLanes rs{}, hs_lanes{}, bs_lanes{}, ss_lanes{};
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Rows& rows = rows_[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            const Lanes basis = basis_[k][c];
+            const Lanes slope = basis_slope_[k][c];
+            const Lanes ws = rows.weight[c] * slope;
+            rs[c] += ws * (rows.radiance[c] - diffuse[c] * rows.irradiance[c] - specular * basis);
+            hs_lanes[c] += ws * rows.irradiance[c];
+            bs_lanes[c] += ws * basis;
+            ss_lanes[c] += ws * slope;
         }
     }
-    const Rgb inverse = (hh_ > 0).select(1 / hh_, 0.0);
-    const double of_specular = (sums.bb - sums.hb * sums.hb * inverse).sum();
-    const double shared = (bs - sums.hb * hs * inverse).sum();
-    const double curvature = (ss - hs * hs * inverse).sum() - square(shared) / of_specular;
+    const double descent = sum_of(rs).sum();
+    const Rgb hs = sum_of(hs_lanes);
+    const double of_specular = (sums.bb - sums.hb * sums.hb * inverse_hh_).sum();
+    const double shared = (sum_of(bs_lanes) - sums.hb * hs * inverse_hh_).sum();
+    const double curvature =
+        (sum_of(ss_lanes) - hs * hs * inverse_hh_).sum() - square(shared) / of_specular;
     if (!(curvature > 0)) return std::nullopt;
     return Step{std::clamp(descent / (ps * curvature), -kLongestStep, kLongestStep),
                 1 / (ps * std::sqrt(curvature))};
@@ -315,33 +308,38 @@ Rgb JointFit::diffuse_with(double specular, double roughness) const {
     return diffuse_of(specular > 0 ? sums_at(roughness) : Sums(), specular);
 }
 
-void JointFit::misfits(const Reflectance& reflectance, std::vector<double>& result) const {
-    basis_at(reflectance.roughness);
-    result.assign(num_rows_, 0.0);
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto diffuse = float(reflectance.diffuse[Eigen::Index(c)]);
-        const auto specular = float(reflectance.specular);
-        for (std::size_t r = 0; r < num_rows_; ++r) {
-            const float residual =
-                radiance_[c][r] - diffuse * irradiance_[c][r] - specular * basis_[c][r];
-            result[r] += double(weight_[c][r] * residual * residual) / 3;
+// Residuals of all rows of the model that basis_at() was called for.
+template <typename Use>
+void JointFit::for_each_residual(const Reflectance& reflectance, const Use& use) const {
+    const std::array<float, 3> diffuse = to_floats(reflectance.diffuse);
+    const auto specular = float(reflectance.specular);
+    for (std::size_t k = 0; k < rows_.size(); ++k) {
+        const Rows& rows = rows_[k];
+        for (std::size_t c = 0; c < 3; ++c) {
+            use(k, c, rows.radiance[c] - diffuse[c] * rows.irradiance[c] - specular * basis_[k][c]);
         }
     }
 }
 
+void JointFit::misfits(const Reflectance& reflectance, std::vector<double>& result) const {
+    basis_at(reflectance.roughness);
+    result.assign(num_rows_, 0.0);
+    for_each_residual(reflectance, [&](std::size_t k, std::size_t c, Lanes residual) {
+        const Lanes misfit = rows_[k].weight[c] * residual * residual;
+        const std::size_t count = std::min(kLanes, num_rows_ - k * kLanes);
+        for (std::size_t l = 0; l < count; ++l) {
+            result[k * kLanes + l] += double(misfit[l]) / 3;
+        }
+    });
+}
+
 double JointFit::squared_error(const Reflectance& reflectance) const {
     basis_at(reflectance.roughness);
-    double sum = 0;
-    for (std::size_t c = 0; c < 3; ++c) {
-        const auto diffuse = float(reflectance.diffuse[Eigen::Index(c)]);
-        const auto specular = float(reflectance.specular);
-        for (std::size_t r = 0; r < num_rows_; ++r) {
-            const float residual =
-                radiance_[c][r] - diffuse * irradiance_[c][r] - specular * basis_[c][r];
-            sum += double(residual * residual);
-        }
-    }
-    return sum;
+    RgbLanes sums{};
+    for_each_residual(reflectance, [&](std::size_t /*k*/, std::size_t c, Lanes residual) {
+        sums[c] += residual * residual;
+    });
+    return sum_of(sums).sum();
 }
 
 }  // namespace patina

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "patina/estimate/texel_fit.h"
+#include "patina/math/lanes.h"
 
 #include <array>
 #include <optional>
@@ -36,12 +37,30 @@ class JointFit {
     [[nodiscard]] double squared_error(const Reflectance& reflectance) const;
 
   private:
-    using Lanes = std::vector<float>;  // padded to whole vectors with rows of weight 0
+    using RgbLanes = std::array<Lanes, 3>;
 
+    // Eight rows; those beyond the last have no weight and no light.
+    struct Rows {
+        RgbLanes weight{};
+        RgbLanes irradiance{};  // over pi
+        RgbLanes radiance{};
+        RgbLanes same{}, slope{}, bend{};  // of the indirect lobe, over pi
+    };
+    // Eight lamp terms, those of one row after those of another.
+    struct Terms {
+        Lanes theta_squared{}, spread_along{}, spread_across{};
+        RgbLanes amplitude{};  // irradiance x lobe_cosines() / pi
+    };
     // Sums of the normal equations for one sigma, per channel.
     struct Sums {
         Rgb hb = Rgb::Zero(), bb = Rgb::Zero(), bo = Rgb::Zero();
     };
+    void load_row(const FitRow& row, std::size_t number);
+    void load_term(const LampTerm& lamp, std::size_t row);
+    // From one number per lamp term (lane by lane as in terms_) to one per row.
+    void collect(const std::vector<Lanes>& of_term, std::vector<RgbLanes>& of_row) const;
+    template <typename Use>
+    void for_each_residual(const Reflectance& reflectance, const Use& use) const;
     void basis_at(double roughness) const;  // fills basis_
     void slope_at(double roughness) const;  // fills basis_slope_, after basis_at()
     [[nodiscard]] Sums sums_at(double roughness) const;
@@ -59,21 +78,17 @@ class JointFit {
     [[nodiscard]] std::optional<double> descend(double start, double low, double high) const;
 
     std::size_t num_rows_ = 0;
-    std::size_t num_lanes_ = 0;
-    bool one_lamp_each_ = true;
+    bool one_lamp_each_ = true;  // terms lie as rows do
     bool has_indirect_ = false;
     double indirect_roughness_ = 1;
-    // Per lamp term.
-    Lanes theta_squared_, spread_along_, spread_across_;
-    std::array<Lanes, 3> amplitude_;  // irradiance x lobe_cosines() / pi
+    std::vector<Rows> rows_;
+    std::vector<Terms> terms_;
     std::vector<std::uint32_t> row_of_term_;
-    // Per row.
-    std::array<Lanes, 3> weight_, irradiance_, radiance_;  // irradiance over pi
-    std::array<Lanes, 3> same_, slope_, bend_;             // of the indirect lobe, over pi
-    mutable std::array<Lanes, 3> basis_;                   // of the lobe, per Ps
-    mutable std::array<Lanes, 3> basis_slope_;             // its derivative in log sigma
-    mutable Lanes gaussian_, gaussian_slope_;
+    mutable std::vector<RgbLanes> basis_;        // of the lobe, per Ps
+    mutable std::vector<RgbLanes> basis_slope_;  // its derivative in log sigma
+    mutable std::vector<Lanes> gaussian_, gaussian_slope_;
     Rgb hh_ = Rgb::Zero(), ho_ = Rgb::Zero(), oo_ = Rgb::Zero();
+    Rgb inverse_hh_ = Rgb::Zero();  // 0 where hh_ is
 };
 
 }  // namespace patina

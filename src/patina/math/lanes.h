@@ -7,6 +7,7 @@
 
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 
@@ -21,6 +22,22 @@ using UnalignedLanes [[gnu::vector_size(sizeof(Lanes)), gnu::aligned(1), gnu::ma
     return *static_cast<const UnalignedLanes*>(from);
 }
 inline void store_lanes(Lanes value, float* to) { *reinterpret_cast<UnalignedLanes*>(to) = value; }
+
+// In double precision.
+[[nodiscard]] inline double sum_of_lanes(Lanes x) {
+    using Floats [[gnu::vector_size(kLanes / 2 * sizeof(float))]] = float;
+    using Doubles [[gnu::vector_size(kLanes / 2 * sizeof(double))]] = double;
+    const Floats low = __builtin_shufflevector(x, x, 0, 1, 2, 3);
+    const Floats high = __builtin_shufflevector(x, x, 4, 5, 6, 7);
+    const Doubles sum =
+        __builtin_convertvector(low, Doubles) + __builtin_convertvector(high, Doubles);
+    return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+[[nodiscard]] inline Lanes square_root(Lanes x) {
+    for (std::size_t l = 0; l < kLanes; ++l) x[l] = std::sqrt(x[l]);
+    return x;
+}
 
 // Eight numbers of eight records, number by number: result[f][k] is number f of those that lie
 // `offset` bytes into what records[k] points to.

@@ -42,6 +42,17 @@ TEST(CompactFloat, IsTheSameInLanes) {
     }
 }
 
+TEST(Lanes, AreAddedUpInDoublePrecision) {
+    const Lanes x = {0x1p24f, 1.0f, 0x1p-20f, -3.0f, 5.0f, -0x1p23f, 0.25f, 7.0f};
+    EXPECT_EQ(sum_of_lanes(x), 0x1p23 + 10.25 + 0x1p-20);
+}
+
+TEST(Lanes, HaveTheRootsOfTheirNumbers) {
+    const Lanes x = {0.0f, 1.0f, 2.0f, 1e-30f, 1e30f, 0.3f, 49.0f, 12345.0f};
+    const Lanes roots = square_root(x);
+    for (std::size_t l = 0; l < kLanes; ++l) EXPECT_EQ(roots[l], std::sqrt(x[l])) << l;
+}
+
 TEST(LoadTransposed, PutsTheNumbersOfEightRecordsSideBySide) {
     // Records of 40 bytes in some order, read from their third number on, so that none is aligned.
     constexpr std::size_t kFirst = 2;
