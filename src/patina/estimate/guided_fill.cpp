@@ -67,6 +67,10 @@ double explained_share(std::span<const Sample> samples, double mean) {
     return before > 0 ? std::clamp(1 - after / before, 0.0, 1.0) : 0.0;
 }
 
+bool has_known(std::span<const float> confidence) {
+    return std::any_of(confidence.begin(), confidence.end(), [](float c) { return c > 0; });
+}
+
 using Cell = std::array<int, 3>;
 
 Cell cell_of(const Vec3& color) {
@@ -163,13 +167,24 @@ std::vector<double> GuidedFill::trend(std::span<const float> confidence,
     return result;
 }
 
+std::vector<double> GuidedFill::above_trend(std::span<const float> confidence,
+                                            std::span<const double> values) const {
+    std::vector<double> above(values.size(), 0.0);
+    if (!has_known(confidence)) return above;
+    const std::vector<double> expected = trend(confidence, values);
+    parallel_for(above.size(), [&](std::size_t i) {
+        if (confidence[i] > 0) above[i] = values[i] - expected[i];
+    });
+    return above;
+}
+
 void GuidedFill::fill(std::span<const float> confidence,
                       double fallback,
                       std::span<double> values,
                       double tolerance) const {
     PATINA_CHECK_EQ(confidence.size(), values.size());
     PATINA_CHECK_EQ(values.size(), atlas_.texels.size());
-    if (std::none_of(confidence.begin(), confidence.end(), [](float c) { return c > 0; })) {
+    if (!has_known(confidence)) {
         std::fill(values.begin(), values.end(), fallback);
         return;
     }

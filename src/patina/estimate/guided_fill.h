@@ -36,6 +36,10 @@ class GuidedFill {
               std::span<double> values,
               double tolerance = LinkSolverOptions().tolerance) const;
 
+    // What known values are above the trend; 0 where nothing is known.
+    [[nodiscard]] std::vector<double> above_trend(std::span<const float> confidence,
+                                                  std::span<const double> values) const;
+
     // g, one per entry of atlas.neighbors, in (0, 1].
     [[nodiscard]] std::span<const float> links() const { return link_; }
 

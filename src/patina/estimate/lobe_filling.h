@@ -22,7 +22,9 @@ class LobeFilling {
   public:
     explicit LobeFilling(const TexelAtlas& atlas);
 
-    // The guide, Pd, for all fillings to come.
+    // For all fillings to come: the guide, Pd, and which measured lobes are strays, which stay
+    // measured but fill nothing: those whose logarithms depart from what others of a like colour
+    // have by more than three times the root mean square of all.
     void set_guide(std::span<const TexelFit> fits);
     // How far filled lobes may be from the truth, for spread().
     void find_spread(std::span<const TexelFit> fits);
@@ -42,8 +44,12 @@ class LobeFilling {
     [[nodiscard]] const LobeSpread& spread(std::size_t texel) const { return spread_[texel]; }
 
   private:
+    void find_strays(std::span<const TexelFit> fits);
+    [[nodiscard]] bool fills(std::span<const TexelFit> fits, std::size_t texel) const;
+
     const TexelAtlas& atlas_;
     std::optional<GuidedFill> fill_;
+    std::vector<std::uint8_t> stray_;
     std::vector<LobeSpread> spread_;
     std::vector<double> log_roughness_;    // as it was filled
     std::vector<double> specular_albedo_;  // Ps sigma^2
