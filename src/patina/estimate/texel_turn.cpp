@@ -46,18 +46,29 @@ double specular_error_at(std::span<const FitRow> rows, double roughness) {
     return information > 0 ? 1 / std::sqrt(information) : std::numeric_limits<double>::infinity();
 }
 
+// What texels confirm each other by, side by side in memory: Ps sigma^2 of a measured lobe, or one
+// of these.
+constexpr double kNotMeasured = 0.0;
+constexpr double kMatte = -1.0;
+
+double likeness_of(const TexelFit& fit) {
+    if (!fit.specular_measured) return kNotMeasured;
+    if (!fit.roughness_measured) return kMatte;
+    return fit.reflectance.specular * square(fit.reflectance.roughness);
+}
+
 // Texels with a measured Ps that hang together.
 std::vector<std::vector<TexelId>> measured_clumps(const TexelAtlas& atlas,
-                                                  std::span<const TexelFit> fits) {
+                                                  std::span<const double> likeness) {
     std::vector<std::vector<TexelId>> clumps;
-    std::vector<std::uint8_t> found(fits.size(), 0);
+    std::vector<std::uint8_t> found(likeness.size(), 0);
     const auto add = [&](TexelId texel) {
-        if (found[texel] != 0 || !fits[texel].specular_measured) return;
+        if (found[texel] != 0 || likeness[texel] == kNotMeasured) return;
         found[texel] = 1;
         clumps.back().push_back(texel);
     };
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-        if (found[i] != 0 || !fits[i].specular_measured) continue;
+    for (std::size_t i = 0; i < likeness.size(); ++i) {
+        if (found[i] != 0 || likeness[i] == kNotMeasured) continue;
         clumps.emplace_back();
         add(TexelId(i));
         for (std::size_t next = 0; next < clumps.back().size(); ++next) {
@@ -71,29 +82,23 @@ std::vector<std::vector<TexelId>> measured_clumps(const TexelAtlas& atlas,
     return clumps;
 }
 
-// Whether `neighbor` has measured a lobe like that of texel i.
-bool confirms(std::span<const TexelFit> fits, std::size_t neighbor, std::size_t i) {
-    const auto specular_albedo = [](const TexelFit& fit) {
-        return fit.reflectance.specular * square(fit.reflectance.roughness);
-    };
-    if (!fits[neighbor].specular_measured) return false;
-    const bool glossy = fits[i].roughness_measured;
-    if (fits[neighbor].roughness_measured != glossy) return false;
-    const double ratio = glossy ? specular_albedo(fits[neighbor]) / specular_albedo(fits[i]) : 1.0;
-    return ratio < kLikeAlbedo && ratio * kLikeAlbedo > 1;
+// Whether a neighbour has measured a lobe like that of a texel.
+bool confirms(double neighbor, double texel) {
+    if (neighbor == kMatte || texel == kMatte) return neighbor == texel;
+    return neighbor < kLikeAlbedo * texel && neighbor * kLikeAlbedo > texel;
 }
 
 // Measured texels that less than half of their neighbours confirm.
 std::vector<std::uint8_t> without_majority(const TexelAtlas& atlas,
-                                           std::span<const TexelFit> fits) {
-    std::vector<std::uint8_t> found(fits.size(), 0);
-    parallel_for(fits.size(), [&](std::size_t i) {
-        if (!fits[i].specular_measured) return;
+                                           std::span<const double> likeness) {
+    std::vector<std::uint8_t> found(likeness.size(), 0);
+    parallel_for(likeness.size(), [&](std::size_t i) {
+        if (likeness[i] == kNotMeasured) return;
         const std::uint32_t begin = atlas.neighbor_begin[i];
         const std::uint32_t end = atlas.neighbor_begin[i + 1];
         std::uint32_t num_confirming = 0;
         for (std::uint32_t k = begin; k < end; ++k) {
-            num_confirming += confirms(fits, atlas.neighbors[k], i) ? 1 : 0;
+            num_confirming += confirms(likeness[atlas.neighbors[k]], likeness[i]) ? 1 : 0;
         }
         found[i] = 2 * num_confirming < end - begin;
     });
@@ -208,14 +213,17 @@ MapChange move_map(Reflectance& map, const Reflectance& next) {
 
 std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<TexelFit> fits) {
     std::vector<std::uint8_t> dropped(fits.size(), 0);
+    std::vector<double> likeness(fits.size());
+    parallel_for(fits.size(), [&](std::size_t i) { likeness[i] = likeness_of(fits[i]); });
     const auto drop = [&](std::size_t i) {
+        likeness[i] = kNotMeasured;
         fits[i].specular_measured = fits[i].roughness_measured = false;
         fits[i].lobe_information.setZero();
         dropped[i] = 1;
     };
     std::size_t num_dropped = 1;
     for (int pass = 0; pass < kConfirmations && num_dropped > 0; ++pass) {
-        const std::vector<std::uint8_t> now = without_majority(atlas, fits);
+        const std::vector<std::uint8_t> now = without_majority(atlas, likeness);
         num_dropped = 0;
         for (std::size_t i = 0; i < fits.size(); ++i) {
             if (now[i] == 0) continue;
@@ -223,7 +231,7 @@ std::vector<std::uint8_t> drop_unconfirmed(const TexelAtlas& atlas, std::span<Te
             ++num_dropped;
         }
     }
-    for (const std::vector<TexelId>& clump : measured_clumps(atlas, fits)) {
+    for (const std::vector<TexelId>& clump : measured_clumps(atlas, likeness)) {
         if (clump.size() >= kSmallestClump) continue;
         for (const TexelId texel : clump) drop(texel);
     }
