@@ -18,8 +18,6 @@ constexpr float kNegligibleWeight = 0.01f;
 constexpr std::size_t kAhead = 8;
 
 using Radiance = std::array<Lanes, 3>;
-// Of the two halves of the rays.
-using GatheredHalves = std::array<Radiance, 2>;
 
 // The images of the lamps in the lobe of a place that is hit, seen by the gathering texel.
 inline Lanes images(float minus_half_precision,
@@ -76,12 +74,12 @@ inline void expect(const LargeVector<Row>& texels,
 
 // The light that arrives over the hits of one texel.
 template <typename Row, typename Hit>
-GatheredHalves gathered(const GatherRows& rows,
-                        const LightSources<Row, Hit>& sources,
-                        const LargeVector<float>& precision,
-                        const GlossySources& glossy,
-                        std::size_t texel) {
-    GatheredHalves halves{};
+LightHalves gathered(const GatherRows& rows,
+                     const LightSources<Row, Hit>& sources,
+                     const LargeVector<float>& precision,
+                     const GlossySources& glossy,
+                     std::size_t texel) {
+    LightHalves halves{};
     std::size_t k = rows.begin[texel];
     const std::size_t end = rows.begin[texel + 1];
     const GatherHit* hits = rows.hits.data() + k;
@@ -111,25 +109,6 @@ GatheredHalves gathered(const GatherRows& rows,
         add_glossy(glossy, hits, first, std::min(first + kLanes, last_onward), add);
     }
     return halves;
-}
-
-// One texel; not below 0, as weights of the filter may be.
-GatheredHalves filtered(const SurfaceFilter& filter,
-                        const LargeVector<GatheredHalves>& gathered,
-                        std::size_t texel) {
-    GatheredHalves sums{};
-    for (std::size_t k = filter.begin[texel]; k < filter.begin[texel + 1]; ++k) {
-        const GatheredHalves& from = gathered[filter.texel[k]];
-        for (std::size_t half = 0; half < 2; ++half) {
-            for (std::size_t c = 0; c < 3; ++c) {
-                sums[half][c] += filter.weight[k] * from[half][c];
-            }
-        }
-    }
-    for (Radiance& half : sums) {
-        for (Lanes& channel : half) channel = channel < 0.0f ? Lanes{} : channel;
-    }
-    return sums;
 }
 
 // How much up to eight hits, side by side, count for lobes of sigma and of twice and half of it.
@@ -327,8 +306,10 @@ void LampBlockLight::sweep(const GatherGraph& graph,
         });
     };
     turning_ ? gather(turning_sources_) : gather(standing_);
+    if (filters_.empty()) filters_ = where_filter_gains(filter, swept.unfiltered);
     parallel_for(num_texels, [&](std::size_t i) {
-        const GatheredHalves smooth = filtered(filter, swept.unfiltered, i);
+        const LightHalves smooth =
+            filters_[i] != 0 ? filtered(filter, swept.unfiltered, i) : swept.unfiltered[i];
         for (std::size_t c = 0; c < 3; ++c) {
             const Lanes mean = 0.5f * (smooth[0][c] + smooth[1][c]);
             // Both halves alike, so that their difference stays that of their rays; not below 0.

@@ -12,10 +12,10 @@
 // far as they change little between columns that see each other.
 #pragma once
 
+#include "patina/transport/filtered_light.h"
 #include "patina/transport/gather_light.h"
 #include "patina/transport/glossy_sweep.h"
 #include "patina/transport/radiant_texels.h"
-#include "patina/transport/surface_filter.h"
 
 #include <span>
 #include <vector>
@@ -27,9 +27,10 @@ using IndirectLanes = LargeVector<std::array<Lanes, 3>>;
 
 // What a sweep leaves. Its memory serves the next sweep, of any block.
 struct SweptLight {
-    std::array<IndirectLanes, 2> halves;  // of the two independent halves of the rays, filtered
-    LargeVector<std::array<std::array<Lanes, 3>, 2>> unfiltered;  // the same before the filter
-    LargeVector<OnwardRow> onward;  // what second rays met; empty for the first sweep
+    // Of the two independent halves of the rays, filtered where that lowers their error.
+    std::array<IndirectLanes, 2> halves;
+    LargeVector<LightHalves> unfiltered;  // the same before the filter
+    LargeVector<OnwardRow> onward;        // what second rays met; empty for the first sweep
 };
 
 // What a hit reads of the texel that it meets, in one line of memory: the radiance that the texel
@@ -65,8 +66,9 @@ class LampBlockLight {
                    bool turning,
                    bool keeps_hits = true);
 
-    // One sweep. The mean of the filtered halves is what the next one starts from. step: so many
-    // times as far from the light of the last sweep as the rays tell.
+    // One sweep. The mean of the filtered halves is what the next one starts from. Where the filter
+    // lowers the error of the light is decided in the very first one. step: so many times as far
+    // from the light of the last sweep as the rays tell.
     void sweep(const GatherGraph& graph,
                const RadiantTexels& texels,
                const SurfaceFilter& filter,
@@ -116,6 +118,7 @@ class LampBlockLight {
     LightSources<StandingRow, StandingHit> standing_;       // empty if they turn
     LightSources<TurningRow, TurningHit> turning_sources_;  // empty if they stand
     IndirectLanes indirect_;                                // of the last sweep [light_units()]
+    std::vector<std::uint8_t> filters_;  // where the filter lowers the error, per texel
 };
 
 }  // namespace patina
