@@ -24,12 +24,22 @@ using LightHalves = std::array<std::array<Lanes, 3>, 2>;
                                    const LargeVector<LightHalves>& light,
                                    std::size_t texel);
 
-// One entry per texel: 1 where the filter lowers the mean squared error of the light, summed over
-// lamps and channels, else 0. With d the difference of the two halves before the filter, e after
-// it, and m what the filter changes their mean by, m^2 - (d^2 - d e) / 2 is in expectation by how
-// much it raises that error: m holds bias and noise, d and e noise alone. It is averaged over the
-// filter's texels, and over theirs, before its sign is read.
-[[nodiscard]] std::vector<std::uint8_t> where_filter_gains(const SurfaceFilter& filter,
-                                                           const LargeVector<LightHalves>& light);
+// For which lamps the filter lowers the mean squared error of the light at a texel, summed over
+// channels: bit l for lane l. Each lamp is judged by its own light, so that it sends what it would
+// send alone.
+using LampMask = std::uint8_t;
+
+// One entry per texel. With d the difference of the two halves before the filter, e after it, and m
+// what the filter changes their mean by, m^2 - (d^2 - d e) / 2 is in expectation by how much it
+// raises the error: m holds bias and noise, d and e noise alone. It is averaged over the filter's
+// texels, over theirs, and once more, before its sign is read.
+[[nodiscard]] std::vector<LampMask> where_filter_gains(const SurfaceFilter& filter,
+                                                       const LargeVector<LightHalves>& light);
+
+// Light filtered for the lamps of the mask, and as it is for the others.
+[[nodiscard]] LightHalves filtered_for(LampMask lamps,
+                                       const SurfaceFilter& filter,
+                                       const LargeVector<LightHalves>& light,
+                                       std::size_t texel);
 
 }  // namespace patina

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "support/scenes.h"
-#include <algorithm>
+#include <bit>
 #include <cmath>
 #include <functional>
 #include <vector>
@@ -47,21 +47,40 @@ double plane(const Texel& texel) { return 1 + 0.01 * texel.column; }
 
 double distance_from_step(const Texel& texel) { return std::abs(texel.column + 0.5 - kSide / 2); }
 
+// Share of the lamps of the texels that are asked for [0 to 1].
+double share_of_gains(const TexelAtlas& atlas,
+                      const std::vector<LampMask>& gains,
+                      const std::function<bool(const Texel&)>& is_asked) {
+    double sum = 0;
+    double count = 0;
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+        if (!is_asked(atlas.texels[i])) continue;
+        sum += std::popcount(gains[i]);
+        count += double(kLanes);
+    }
+    return sum / count;
+}
+
+// Where light is a plane the filter lowers the error by (1 - sum of squared weights) / 2 of a
+// half's variance, 0.44 of it for the nine texels of this one. The estimate of that has a standard
+// deviation of 1.1 of that variance for one number, over the root of three channels and of the 27
+// texels that three means over nine come to: 0.12. So one lamp in some thousands is judged wrongly,
+// and at the plate's rim, with half as many texels, one in a hundred; of all fewer than one in two
+// hundred.
+constexpr double kJudgedRightly = 0.995;
+
 TEST(FilteredLight, TakesNoiseAwayWhereLightIsAPlane) {
     const TexelAtlas atlas = plate();
     const SurfaceFilter filter = build_surface_filter(atlas, kRadius);
-    const std::vector<std::uint8_t> gains =
+    const std::vector<LampMask> gains =
         where_filter_gains(filter, noisy_light(atlas, kNoise, plane));
-    // By (1 - sum of squared weights) / 2 of the noise in the mean, which is at least 0.2 of it;
-    // its own error there is that of 24 numbers at each of nine texels and more, 0.1 of the noise
-    // at the most, and half of that over two such rows: no texel in a thousand runs.
-    EXPECT_EQ(std::count(gains.begin(), gains.end(), 1), std::ptrdiff_t(gains.size()));
+    EXPECT_GT(share_of_gains(atlas, gains, [](const Texel&) { return true; }), kJudgedRightly);
 }
 
 TEST(FilteredLight, StaysAsItIsWhereThereIsNoNoise) {
     const TexelAtlas atlas = plate();
     const SurfaceFilter filter = build_surface_filter(atlas, kRadius);
-    const std::vector<std::uint8_t> gains = where_filter_gains(filter, noisy_light(atlas, 0, step));
+    const std::vector<LampMask> gains = where_filter_gains(filter, noisy_light(atlas, 0, step));
     for (std::size_t i = 0; i < gains.size(); ++i) {
         if (distance_from_step(atlas.texels[i]) < kRadius) {
             EXPECT_EQ(gains[i], 0) << i;
@@ -74,16 +93,12 @@ TEST(FilteredLight, StaysAsItIsWhereThereIsNoNoise) {
 TEST(FilteredLight, KeepsAStepThatStandsOutOfTheNoise) {
     const TexelAtlas atlas = plate();
     const SurfaceFilter filter = build_surface_filter(atlas, kRadius);
-    const std::vector<std::uint8_t> gains =
+    const std::vector<LampMask> gains =
         where_filter_gains(filter, noisy_light(atlas, kNoise, step));
-    for (std::size_t i = 0; i < gains.size(); ++i) {
-        const double distance = distance_from_step(atlas.texels[i]);
-        if (distance < kRadius) {
-            EXPECT_EQ(gains[i], 0) << i;
-        } else if (distance > 3 * kRadius) {
-            EXPECT_EQ(gains[i], 1) << i;
-        }
-    }
+    const auto is_near = [](const Texel& texel) { return distance_from_step(texel) < kRadius; };
+    const auto is_far = [](const Texel& texel) { return distance_from_step(texel) > 4 * kRadius; };
+    EXPECT_EQ(share_of_gains(atlas, gains, is_near), 0);
+    EXPECT_GT(share_of_gains(atlas, gains, is_far), kJudgedRightly);
 }
 
 // The error of what is chosen, against light filtered everywhere and nowhere.
@@ -91,7 +106,7 @@ TEST(FilteredLight, IsNearerToTheTruthThanAllOrNothing) {
     const TexelAtlas atlas = plate();
     const SurfaceFilter filter = build_surface_filter(atlas, kRadius);
     const LargeVector<LightHalves> light = noisy_light(atlas, kNoise, step);
-    const std::vector<std::uint8_t> gains = where_filter_gains(filter, light);
+    const std::vector<LampMask> gains = where_filter_gains(filter, light);
     double nowhere = 0, everywhere = 0, chosen = 0;
     for (std::size_t i = 0; i < light.size(); ++i) {
         const LightHalves smooth = filtered(filter, light, i);
@@ -106,7 +121,7 @@ TEST(FilteredLight, IsNearerToTheTruthThanAllOrNothing) {
         };
         nowhere += error(light[i]);
         everywhere += error(smooth);
-        chosen += error(gains[i] != 0 ? smooth : light[i]);
+        chosen += error(filtered_for(gains[i], filter, light, i));
     }
     EXPECT_LT(chosen, nowhere);
     EXPECT_LT(chosen, everywhere);

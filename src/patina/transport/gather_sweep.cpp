@@ -308,8 +308,7 @@ void LampBlockLight::sweep(const GatherGraph& graph,
     turning_ ? gather(turning_sources_) : gather(standing_);
     if (filters_.empty()) filters_ = where_filter_gains(filter, swept.unfiltered);
     parallel_for(num_texels, [&](std::size_t i) {
-        const LightHalves smooth =
-            filters_[i] != 0 ? filtered(filter, swept.unfiltered, i) : swept.unfiltered[i];
+        const LightHalves smooth = filtered_for(filters_[i], filter, swept.unfiltered, i);
         for (std::size_t c = 0; c < 3; ++c) {
             const Lanes mean = 0.5f * (smooth[0][c] + smooth[1][c]);
             // Both halves alike, so that their difference stays that of their rays; not below 0.

@@ -118,7 +118,7 @@ class LampBlockLight {
     LightSources<StandingRow, StandingHit> standing_;       // empty if they turn
     LightSources<TurningRow, TurningHit> turning_sources_;  // empty if they stand
     IndirectLanes indirect_;                                // of the last sweep [light_units()]
-    std::vector<std::uint8_t> filters_;  // where the filter lowers the error, per texel
+    std::vector<LampMask> filters_;  // where the filter lowers the error, per texel
 };
 
 }  // namespace patina
