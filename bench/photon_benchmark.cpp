@@ -236,9 +236,10 @@ void time_steps(const LitObject& scene, std::uint64_t photons, int repeats) {
     print_least("indirect_irradiance", repeats, kernel.texel.size(), [&] {
         static_cast<void>(indirect_irradiance(kernel, paths, power.arrivals));
     });
-    print_least("indirect_lobe", repeats, atlas.texels.size(), [&] {
-        static_cast<void>(
-            indirect_lobe(kernel, paths, power.arrivals, atlas, w_v, scene.maps, wanted));
+    std::vector<IndirectLobe> lobes(atlas.texels.size());
+    print_least("add_indirect_lobe", repeats, atlas.texels.size(), [&] {
+        add_indirect_lobe(
+            kernel, paths, power.arrivals, atlas, w_v, scene.maps, wanted, {lobes.data()});
     });
 }
 

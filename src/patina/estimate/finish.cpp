@@ -261,9 +261,9 @@ class Finisher {
                 kPi;
             if (light_.irradiance.empty()) continue;
             const Observation& look = observations_.of(i)[k];
-            const auto& halves = light_.irradiance[scene_.lamp_set_of_shot[look.shot]].halves;
-            difference[k] =
-                fitted.diffuse * (halves[0][i] - halves[1][i]).cast<double>() / (2 * kPi);
+            const IndirectIrradiance& indirect =
+                light_.irradiance.of(i)[scene_.lamp_set_of_shot[look.shot]];
+            difference[k] = fitted.diffuse * indirect.half_difference() / kPi;
         }
         if (direct > 0) estimate_.indirect_over_direct[i] = float(whole / direct - 1);
         ErrorBudget& budget = budgets_[i];

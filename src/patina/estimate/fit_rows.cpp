@@ -25,12 +25,12 @@ void FitRowMaker::make(std::size_t texel,
         Rgb variance = square(inverse) * look.variance.cast<double>();
         if (!light.irradiance.empty()) {
             const IndirectIrradiance& indirect =
-                light.irradiance[scene_.lamp_set_of_shot[look.shot]];
-            row.irradiance += indirect.mean(texel);
-            row.irradiance_variance = indirect.variance(texel);
+                light.irradiance.of(texel)[scene_.lamp_set_of_shot[look.shot]];
+            row.irradiance += indirect.mean();
+            row.irradiance_variance = indirect.variance();
             variance += (std::numbers::inv_pi * map.diffuse).square() * row.irradiance_variance;
         }
-        if (!light.lobe.empty()) row.indirect_lobe = light.lobe[look.shot][texel];
+        if (!light.lobe.empty()) row.indirect_lobe = light.lobe.of(texel)[look.shot];
         row.indirect_roughness = map.roughness;
         row.weight = 1 / variance.max(kSmallestVariance);
     }
@@ -39,11 +39,9 @@ void FitRowMaker::make(std::size_t texel,
 void FitRowMaker::expect(std::size_t texel, const IndirectLight& light) const {
     for (const Observation& look : observations_.of(texel)) {
         if (!light.irradiance.empty()) {
-            for (const auto& half : light.irradiance[scene_.lamp_set_of_shot[look.shot]].halves) {
-                __builtin_prefetch(&half[texel]);
-            }
+            __builtin_prefetch(&light.irradiance.of(texel)[scene_.lamp_set_of_shot[look.shot]]);
         }
-        if (!light.lobe.empty()) __builtin_prefetch(&light.lobe[look.shot][texel]);
+        if (!light.lobe.empty()) __builtin_prefetch(&light.lobe.of(texel)[look.shot]);
     }
 }
 

@@ -103,25 +103,25 @@ GatherEngine::GatherEngine(const Surface& surface,
 
 void GatherEngine::add_irradiance(std::size_t block,
                                   const std::array<IndirectLanes, 2>& halves,
-                                  std::vector<IndirectIrradiance>& sums) const {
+                                  TexelTable<IndirectIrradiance>& sums) const {
     struct Share {
         const LampPlace* place;
-        std::array<Rgbf*, 2> halves;
+        std::size_t set;
     };
     std::vector<Share> shares;
     for (std::size_t set = 0; set < places_.size(); ++set) {
         for (const LampPlace& place : places_[set]) {
             if (place.block != block) continue;
-            shares.push_back({&place, {sums[set].halves[0].data(), sums[set].halves[1].data()}});
+            shares.push_back({&place, set});
         }
     }
-    // All lamps of a texel at once: their lanes lie side by side.
     parallel_for(atlas_.texels.size(), [&](std::size_t i) {
+        const std::span<IndirectIrradiance> of_texel = sums.of(i);
         for (std::size_t half = 0; half < 2; ++half) {
             const auto& lanes = halves[half][i];
             for (const Share& share : shares) {
                 const std::size_t lane = share.place->lane;
-                share.halves[half][i] +=
+                of_texel[share.set].halves[half] +=
                     share.place->color * Rgbf(lanes[0][lane], lanes[1][lane], lanes[2][lane]);
             }
         }
@@ -132,20 +132,21 @@ void GatherEngine::add_lobes(std::size_t block,
                              const RadiantTexels& texels,
                              std::span<const Reflectance> maps,
                              std::span<const std::uint8_t> wanted,
-                             std::vector<std::vector<IndirectLobe>>& sum) const {
+                             TexelTable<IndirectLobe>& sum) const {
     struct Share {
         const LampPlace* place;
-        std::vector<IndirectLobe>* lobe;
+        std::size_t shot;
     };
     std::vector<std::vector<Share>> shares(views_.size());
-    for (std::size_t shot = 0; shot < sum.size(); ++shot) {
+    for (std::size_t shot = 0; shot < sum.columns(); ++shot) {
         for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
             if (place.block != block) continue;
-            shares[scene_.camera_of_shot[shot]].push_back({&place, &sum[shot]});
+            shares[scene_.camera_of_shot[shot]].push_back({&place, shot});
         }
     }
     parallel_for(atlas_.texels.size(), [&](std::size_t i) {
         if (wanted[i] == 0) return;
+        const std::span<IndirectLobe> of_texel = sum.of(i);
         for (std::size_t view = 0; view < views_.size(); ++view) {
             if (shares[view].empty() || !(views_[view][i].squaredNorm() > 0)) continue;
             const LampBlockLight::LobeLanes lanes = blocks_[block].lobe(
@@ -156,7 +157,7 @@ void GatherEngine::add_lobes(std::size_t block,
                     const Rgbf lamp(channels[0][lane], channels[1][lane], channels[2][lane]);
                     return Rgbf(share.place->color * lamp);
                 };
-                IndirectLobe& lobe = (*share.lobe)[i];
+                IndirectLobe& lobe = of_texel[share.shot];
                 lobe.half += light(lanes.half);
                 lobe.same += light(lanes.same);
                 lobe.twice += light(lanes.twice);
@@ -171,11 +172,12 @@ void GatherEngine::add_photons(std::size_t block,
                                std::span<const std::uint8_t> wanted,
                                IndirectLight& light) {
     blocks_[block].add(narrow_->irradiance(block), swept_);
-    for (std::size_t shot = 0; shot < light.lobe.size(); ++shot) {
+    for (std::size_t shot = 0; shot < light.lobe.columns(); ++shot) {
         const std::size_t view = scene_.camera_of_shot[shot];
         for (const LampPlace& place : places_[scene_.lamp_set_of_shot[shot]]) {
             if (place.block != block) continue;
-            narrow_->add_lobe(block, place.lane, views_[view], maps, wanted, light.lobe[shot]);
+            narrow_->add_lobe(
+                block, place.lane, views_[view], maps, wanted, lobe_column(light.lobe, shot));
         }
     }
 }
@@ -198,24 +200,14 @@ void GatherEngine::evaluate(std::span<const Reflectance> maps,
     const std::span<const float> by_photons =
         with_specular ? narrow_->shares() : std::span<const float>();
     const RadiantTexels texels(atlas_, maps, with_specular, by_photons);
-    light.irradiance.resize(places_.size());
-    light.lobe.resize(with_specular ? scene_.shots.size() : 0);
-    parallel_for(
-        2 * light.irradiance.size(),
-        [&](std::size_t k) {
-            light.irradiance[k / 2].halves[k % 2].assign(num_texels, Rgbf::Zero());
-        },
-        1);
-    parallel_for(
-        light.lobe.size(),
-        [&](std::size_t shot) { light.lobe[shot].assign(num_texels, IndirectLobe()); },
-        1);
+    light.irradiance.reset(num_texels, places_.size());
+    light.lobe.reset(num_texels, with_specular ? scene_.shots.size() : 0);
     std::vector<std::uint8_t> glossy(num_texels);
     if (with_specular) {
-        for (std::size_t i = 0; i < glossy.size(); ++i) {
+        parallel_for(num_texels, [&](std::size_t i) {
             glossy[i] =
                 seen[i] != 0 && 2 * square(maps[i].roughness) * maps[i].specular > kNegligibleLobe;
-        }
+        });
     }
     // What photons bring is not among what a sweep gathers, so that the step would be wrong.
     const float step = next_step(settled && by_photons.empty());

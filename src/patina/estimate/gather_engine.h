@@ -67,7 +67,7 @@ class GatherEngine final : public IndirectEngine {
     // The light of one block's lamps, to the lamp sets that they belong to.
     void add_irradiance(std::size_t block,
                         const std::array<IndirectLanes, 2>& halves,
-                        std::vector<IndirectIrradiance>& sums) const;
+                        TexelTable<IndirectIrradiance>& sums) const;
     void add_photons(std::size_t block,
                      std::span<const Reflectance> maps,
                      std::span<const std::uint8_t> wanted,
@@ -76,7 +76,7 @@ class GatherEngine final : public IndirectEngine {
                    const RadiantTexels& texels,
                    std::span<const Reflectance> maps,
                    std::span<const std::uint8_t> wanted,
-                   std::vector<std::vector<IndirectLobe>>& sum) const;
+                   TexelTable<IndirectLobe>& sum) const;
 
     const TexelAtlas& atlas_;
     const SceneView& scene_;

@@ -51,6 +51,16 @@ class ManyLamps : public testing::Test {
         }
         return scene;
     }
+    // Of all lamp sets or shots the light of one.
+    template <typename Value>
+    [[nodiscard]] std::vector<Value> column(const TexelTable<Value>& table,
+                                            std::size_t number) const {
+        std::vector<Value> values;
+        for (std::size_t i = 0; i < channel_.atlas.texels.size(); ++i) {
+            values.push_back(table.of(i)[number]);
+        }
+        return values;
+    }
     // After two turns.
     [[nodiscard]] IndirectLight gather(const SceneView& scene) const {
         EstimateOptions options;
@@ -72,19 +82,15 @@ TEST_F(ManyLamps, EachSendsWhatItSendsAlone) {
     std::vector<std::vector<std::size_t>> sets;
     for (std::size_t i = 0; i < kNumLamps; ++i) sets.push_back({i});
     const IndirectLight together = gather(scene(sets));
-    ASSERT_EQ(together.irradiance.size(), kNumLamps);
+    ASSERT_EQ(together.irradiance.columns(), kNumLamps);
     // The first and the last of the blocks, of lamps that stand and of lamps that turn.
     for (const std::size_t i : {std::size_t(0), std::size_t(1), kNumLamps - 2, kNumLamps - 1}) {
         const IndirectLight alone = gather(scene({{i}}));
-        for (const std::size_t half : {0U, 1U}) {
-            EXPECT_TRUE(
-                same_bytes(together.irradiance[i].halves[half], alone.irradiance[0].halves[half]))
-                << i;
-        }
-        EXPECT_TRUE(same_bytes(together.lobe[i], alone.lobe[0])) << i;
+        EXPECT_TRUE(same_bytes(column(together.irradiance, i), column(alone.irradiance, 0))) << i;
+        EXPECT_TRUE(same_bytes(column(together.lobe, i), column(alone.lobe, 0))) << i;
         const TexelId texel = channel_.looked_at().front();
-        EXPECT_GT(alone.irradiance[0].mean(texel).minCoeff(), 0);
-        EXPECT_GT(alone.lobe[0][texel].same.minCoeff(), 0);
+        EXPECT_GT(alone.irradiance.of(texel)[0].mean().minCoeff(), 0);
+        EXPECT_GT(alone.lobe.of(texel)[0].same.minCoeff(), 0);
     }
 }
 
@@ -101,9 +107,9 @@ TEST_F(ManyLamps, SendTogetherTheSumOfWhatTheySend) {
         }
     };
     for (const TexelId texel : channel_.looked_at()) {
-        expect_sum([&](std::size_t set) { return light.irradiance[set].mean(texel); });
+        expect_sum([&](std::size_t set) { return light.irradiance.of(texel)[set].mean(); });
         expect_sum(
-            [&](std::size_t set) { return Rgb(light.lobe[set][texel].same.cast<double>()); });
+            [&](std::size_t set) { return Rgb(light.lobe.of(texel)[set].same.cast<double>()); });
     }
 }
 
@@ -124,9 +130,8 @@ TEST_F(ManyLamps, SendTheSameWhereTheirLightAtTheHitsIsNotKept) {
     const IndirectLight kept = two_turns(4);  // two blocks that turn and two that stand
     for (const std::size_t kept_blocks : {0U, 1U, 2U, 3U}) {
         const IndirectLight again = two_turns(kept_blocks);
-        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[0], again.irradiance[0].halves[0]));
-        EXPECT_TRUE(same_bytes(kept.irradiance[0].halves[1], again.irradiance[0].halves[1]));
-        EXPECT_TRUE(same_bytes(kept.lobe[0], again.lobe[0]));
+        EXPECT_TRUE(same_bytes(column(kept.irradiance, 0), column(again.irradiance, 0)));
+        EXPECT_TRUE(same_bytes(column(kept.lobe, 0), column(again.lobe, 0)));
     }
 }
 
@@ -142,9 +147,9 @@ TEST_F(ManyLamps, SendTheSameAgainAfterARestart) {
     engine.restart();
     const IndirectLight again = engine.evaluate(channel_.maps, seen_, true);
     for (const std::size_t set : {0U, 1U}) {
-        EXPECT_TRUE(same_bytes(first.irradiance[set].halves[0], again.irradiance[set].halves[0]));
-        EXPECT_FALSE(same_bytes(first.irradiance[set].halves[0], second.irradiance[set].halves[0]));
-        EXPECT_TRUE(same_bytes(first.lobe[set], again.lobe[set]));
+        EXPECT_TRUE(same_bytes(column(first.irradiance, set), column(again.irradiance, set)));
+        EXPECT_FALSE(same_bytes(column(first.irradiance, set), column(second.irradiance, set)));
+        EXPECT_TRUE(same_bytes(column(first.lobe, set), column(again.lobe, set)));
     }
     EXPECT_EQ(again.spectral_radius, 0);
     EXPECT_EQ(engine.evaluate(channel_.maps, seen_, true).spectral_radius, 0);
@@ -196,8 +201,9 @@ class NarrowLobesUnderBothKinds : public ManyLamps {
     }
     // Mean over the floor under either lamp.
     [[nodiscard]] std::array<double, 2> floor_light(const IndirectLight& light) const {
-        return floor_means(
-            [&](std::size_t set, TexelId texel) { return light.irradiance[set].mean(texel)[1]; });
+        return floor_means([&](std::size_t set, TexelId texel) {
+            return light.irradiance.of(texel)[set].mean()[1];
+        });
     }
     // The same by two sweeps alone, without photons.
     [[nodiscard]] std::array<double, 2> swept_floor_light(const EstimateOptions& options) const {
@@ -299,13 +305,14 @@ TEST_F(ManyLamps, NeedNoPhotonsWhereNoLobeIsNarrow) {
                 build_surface_filter(channel_.atlas, options.filter_radius),
                 swept);
     const Rgbf color = lamp_color(lights_[0]).cast<float>();
+    std::vector<IndirectIrradiance> expected(channel_.atlas.texels.size());
     for (std::size_t half = 0; half < 2; ++half) {
-        std::vector<Rgbf> expected;
-        for (const auto& lanes : swept.halves[half]) {
-            expected.push_back(color * Rgbf(lanes[0][0], lanes[1][0], lanes[2][0]));
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+            const auto& lanes = swept.halves[half][i];
+            expected[i].halves[half] = color * Rgbf(lanes[0][0], lanes[1][0], lanes[2][0]);
         }
-        EXPECT_TRUE(same_bytes(light.irradiance[0].halves[half], expected));
     }
+    EXPECT_TRUE(same_bytes(column(light.irradiance, 0), expected));
 }
 
 // A closed box whose walls reflect nine tenths of the light: so much of a change is left by each
@@ -342,7 +349,7 @@ class WhiteBox : public testing::Test {
         std::vector<TexelId> all(atlas_.texels.size());
         std::iota(all.begin(), all.end(), TexelId(0));
         rest.mean =
-            mean_over(all, [&](TexelId texel) { return light.irradiance[0].mean(texel)[1]; });
+            mean_over(all, [&](TexelId texel) { return light.irradiance.of(texel)[0].mean()[1]; });
         return rest;
     }
 

@@ -128,8 +128,8 @@ void GatherTrials::add_texel(std::size_t texel, std::span<double> costs) const {
     std::vector<Rgb> differences;
     for (const Observation& look : looks) {
         sets.push_back(scene_.lamp_set_of_shot[look.shot]);
-        const IndirectIrradiance& light = iteration_.light().irradiance[sets.back()];
-        differences.push_back((light.halves[0][texel] - light.halves[1][texel]).cast<double>());
+        differences.push_back(
+            2 * iteration_.light().irradiance.of(texel)[sets.back()].half_difference());
     }
     add_costs(rows, sets, differences, iteration_.fits()[texel].reflectance, costs);
 }

@@ -84,8 +84,8 @@ double PhotonEngine::weigh(std::span<const Reflectance> maps) {
     return effective;
 }
 
-IndirectIrradiance PhotonEngine::irradiance(const PhotonPaths& paths,
-                                            std::span<const Rgbf> power) const {
+std::vector<IndirectIrradiance> PhotonEngine::irradiance(const PhotonPaths& paths,
+                                                         std::span<const Rgbf> power) const {
     if (options_.irradiance == Irradiance::ratio) return indirect_irradiance(kernel_, paths, power);
     DiscOptions disc;
     // As many as the ratio estimator's kernel holds; a disc takes two or more.
@@ -110,8 +110,12 @@ IndirectLight PhotonEngine::evaluate(std::span<const Reflectance> maps,
         light.retraced = true;
     }
     light.spectral_radius = spectral_radius(power_);
+    light.irradiance.reset(atlas_.texels.size(), paths_.size());
     for (std::size_t set = 0; set < paths_.size(); ++set) {
-        light.irradiance.push_back(irradiance(paths_[set], power_[set].arrivals));
+        const std::vector<IndirectIrradiance> of_set =
+            irradiance(paths_[set], power_[set].arrivals);
+        parallel_for(of_set.size(),
+                     [&](std::size_t i) { light.irradiance.of(i)[set] = of_set[i]; });
     }
     if (!with_specular) return light;
     std::vector<std::uint8_t> glossy(atlas_.texels.size());
@@ -119,15 +123,17 @@ IndirectLight PhotonEngine::evaluate(std::span<const Reflectance> maps,
         const Reflectance& map = maps[i];
         glossy[i] = seen[i] != 0 && 2 * square(map.roughness) * map.specular > kNegligibleLobe;
     }
+    light.lobe.reset(atlas_.texels.size(), scene_.shots.size());
     for (std::size_t shot = 0; shot < scene_.shots.size(); ++shot) {
         const std::size_t set = scene_.lamp_set_of_shot[shot];
-        light.lobe.push_back(indirect_lobe(kernel_,
-                                           paths_[set],
-                                           power_[set].arrivals,
-                                           atlas_,
-                                           w_v_[scene_.camera_of_shot[shot]],
-                                           maps,
-                                           glossy));
+        add_indirect_lobe(kernel_,
+                          paths_[set],
+                          power_[set].arrivals,
+                          atlas_,
+                          w_v_[scene_.camera_of_shot[shot]],
+                          maps,
+                          glossy,
+                          lobe_column(light.lobe, shot));
     }
     return light;
 }

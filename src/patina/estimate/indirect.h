@@ -3,6 +3,7 @@
 
 #include "patina/estimate/estimate.h"
 #include "patina/estimate/observations.h"
+#include "patina/estimate/texel_table.h"
 #include "patina/transport/ratio_kernel.h"
 
 #include <limits>
@@ -11,10 +12,10 @@
 
 namespace patina {
 
-// Indirect light under one set of maps. Empty vectors: none is known of (method I).
+// Indirect light under one set of maps. Empty: none is known of (method I).
 struct IndirectLight {
-    std::vector<IndirectIrradiance> irradiance;   // per lamp set
-    std::vector<std::vector<IndirectLobe>> lobe;  // per used shot; empty: not wanted
+    TexelTable<IndirectIrradiance> irradiance;  // per lamp set
+    TexelTable<IndirectLobe> lobe;              // per used shot; empty: not wanted
     // Per texel, what gaps of the scan may hide, relative to the light [-]; empty: not known.
     std::vector<float> hidden;
     double spectral_radius = 0;  // lambda of the maps [-]
@@ -22,6 +23,11 @@ struct IndirectLight {
     double change = std::numeric_limits<double>::infinity();
     bool retraced = false;
 };
+
+// The lobes of one used shot.
+[[nodiscard]] inline LobeColumn lobe_column(TexelTable<IndirectLobe>& lobe, std::size_t shot) {
+    return {lobe.of(0).data() + shot, lobe.columns()};
+}
 
 // How methods II, photon and gather find it.
 class IndirectEngine {
@@ -55,8 +61,8 @@ class PhotonEngine final : public IndirectEngine {
   private:
     void trace(std::span<const Reflectance> guide);
     [[nodiscard]] double weigh(std::span<const Reflectance> maps);
-    [[nodiscard]] IndirectIrradiance irradiance(const PhotonPaths& paths,
-                                                std::span<const Rgbf> power) const;
+    [[nodiscard]] std::vector<IndirectIrradiance> irradiance(const PhotonPaths& paths,
+                                                             std::span<const Rgbf> power) const;
 
     const Surface& surface_;
     const TexelAtlas& atlas_;

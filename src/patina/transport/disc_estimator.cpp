@@ -133,10 +133,10 @@ std::vector<Rgbf> disc_irradiance(const DiscPhotons& photons,
     return irradiance;
 }
 
-IndirectIrradiance disc_indirect_irradiance(const PhotonPaths& paths,
-                                            std::span<const Rgbf> power,
-                                            const TexelAtlas& atlas,
-                                            const DiscOptions& options) {
+std::vector<IndirectIrradiance> disc_indirect_irradiance(const PhotonPaths& paths,
+                                                         std::span<const Rgbf> power,
+                                                         const TexelAtlas& atlas,
+                                                         const DiscOptions& options) {
     PATINA_CHECK_EQ(paths.arrival_position.size(), paths.arrival_half.size());
     PATINA_CHECK_EQ(power.size(), paths.arrival_half.size());
     DiscOptions half_options = options;
@@ -146,7 +146,7 @@ IndirectIrradiance disc_indirect_irradiance(const PhotonPaths& paths,
     for (std::size_t i = 0; i < texels.size(); ++i) {
         texels[i] = atlas.texels[i].point.position.cast<float>();
     }
-    IndirectIrradiance result;
+    std::vector<IndirectIrradiance> result(texels.size());
     for (std::uint8_t half = 0; half < 2; ++half) {
         std::vector<Vec3f> positions;
         std::vector<Rgbf> powers;
@@ -156,7 +156,9 @@ IndirectIrradiance disc_indirect_irradiance(const PhotonPaths& paths,
             // Half of the photons carries half of the power.
             powers.push_back(2 * power[k]);
         }
-        result.halves[half] = disc_irradiance({positions, powers, {}}, {texels, {}}, half_options);
+        const std::vector<Rgbf> irradiance =
+            disc_irradiance({positions, powers, {}}, {texels, {}}, half_options);
+        for (std::size_t i = 0; i < result.size(); ++i) result[i].halves[half] = irradiance[i];
     }
     return result;
 }

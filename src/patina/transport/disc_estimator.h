@@ -39,9 +39,9 @@ struct DiscQueries {
 // The same at every texel, of the two halves of traced photons; each half takes half of
 // options.neighbors. paths: traced with PhotonOptions::keep_positions, and their power. Without
 // options.normal_filter, for the photons' normals are not stored.
-[[nodiscard]] IndirectIrradiance disc_indirect_irradiance(const PhotonPaths& paths,
-                                                          std::span<const Rgbf> power,
-                                                          const TexelAtlas& atlas,
-                                                          const DiscOptions& options);
+[[nodiscard]] std::vector<IndirectIrradiance> disc_indirect_irradiance(const PhotonPaths& paths,
+                                                                       std::span<const Rgbf> power,
+                                                                       const TexelAtlas& atlas,
+                                                                       const DiscOptions& options);
 
 }  // namespace patina

@@ -234,11 +234,12 @@ TEST(DiscEstimator, GivesEachHalfOfTracedPhotonsTheWholePower) {
     const std::vector<Rgbf> power(kNumPhotons, Rgbf::Constant(3.0F / kNumPhotons));
     DiscOptions options;
     options.neighbors = 1000;
-    const IndirectIrradiance irradiance = disc_indirect_irradiance(paths, power, atlas, options);
+    const std::vector<IndirectIrradiance> irradiance =
+        disc_indirect_irradiance(paths, power, atlas, options);
     const std::size_t middle = 12;
-    for (const auto& half : irradiance.halves) {
+    for (const Rgbf& half : irradiance[middle].halves) {
         // k = 500 photons: a standard error of 1 / sqrt(500), as (k-1) / Gamma(k) has.
-        EXPECT_NEAR(double(half[middle][0]), 3, 3 * normal_threshold() / std::sqrt(498.0));
+        EXPECT_NEAR(double(half[0]), 3, 3 * normal_threshold() / std::sqrt(498.0));
     }
 }
 

@@ -249,7 +249,7 @@ void NarrowLobes::add_lobe(std::size_t block,
                            std::span<const Vec3f> w_v,
                            std::span<const Reflectance> maps,
                            std::span<const std::uint8_t> wanted,
-                           std::span<IndirectLobe> sum) const {
+                           LobeColumn sum) const {
     const LampPhotons& lamp = photons_[block][lane];
     // Most narrow lobes look past all that arrives: the triangle inequality tells.
     std::vector<std::uint8_t> meets(wanted.size());

@@ -70,7 +70,7 @@ class NarrowLobes {
                   std::span<const Vec3f> w_v,
                   std::span<const Reflectance> maps,
                   std::span<const std::uint8_t> wanted,
-                  std::span<IndirectLobe> sum) const;
+                  LobeColumn sum) const;
 
     // Bytes that the photons of one lamp take at most, were all lobes narrow, where this share of
     // the directions from a texel meets the surface.

@@ -158,7 +158,7 @@ TEST_F(NarrowLobesOfAChannel, AreSeenThroughALobeAsThePathTracerSeesThem) {
         double sum = 0;
         for (std::size_t lamp = 0; lamp < channel_->scene.lights.size(); ++lamp) {
             std::vector<IndirectLobe> lobe(maps.size());
-            narrow.add_lobe(0, lamp, view, maps, wanted, lobe);
+            narrow.add_lobe(0, lamp, view, maps, wanted, {lobe.data()});
             sum +=
                 mean_over(middle, [&](TexelId texel) { return double(lobe[texel].same.mean()); });
         }
@@ -201,7 +201,7 @@ TEST_F(NarrowLobesOfAChannel, AreTheSameForAnyNumberOfThreads) {
     const std::vector<std::uint8_t> wanted(channel_->maps.size(), 1);
     const auto seen = [&](const NarrowLobes& narrow) {
         std::vector<IndirectLobe> lobe(channel_->maps.size());
-        narrow.add_lobe(0, 0, view, channel_->maps, wanted, lobe);
+        narrow.add_lobe(0, 0, view, channel_->maps, wanted, {lobe.data()});
         return lobe;
     };
     EXPECT_TRUE(same_bytes(seen(one), seen(two)));

@@ -164,9 +164,9 @@ RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
     return kernel;
 }
 
-IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
-                                       const PhotonPaths& paths,
-                                       std::span<const Rgbf> power) {
+std::vector<IndirectIrradiance> indirect_irradiance(const RatioKernel& kernel,
+                                                    const PhotonPaths& paths,
+                                                    std::span<const Rgbf> power) {
     const std::size_t num_texels = kernel.begin.size() - 1;
     std::vector<Rgbf> sums[2];
     for (auto& half : sums) half.assign(num_texels, Rgbf::Zero());
@@ -175,16 +175,15 @@ IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
             sums[paths.arrival_half[k]][i] += power[k];
         }
     });
-    IndirectIrradiance result;
-    for (int half = 0; half < 2; ++half) {
-        result.halves[half].assign(num_texels, Rgbf::Zero());
+    std::vector<IndirectIrradiance> result(num_texels);
+    for (std::size_t half = 0; half < 2; ++half) {
         parallel_for(num_texels, [&](std::size_t i) {
             Rgbf sum = Rgbf::Zero();
             for (std::size_t k = kernel.begin[i]; k < kernel.begin[i + 1]; ++k) {
                 sum += kernel.weight[k] * sums[half][kernel.texel[k]];
             }
             // Half of the photons carries half of the power.
-            result.halves[half][i] = 2 * sum;
+            result[i].halves[half] = 2 * sum;
         });
     }
     return result;
@@ -294,18 +293,6 @@ std::size_t find_arrivals(const RatioKernel& kernel,
 
 }  // namespace
 
-std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
-                                        const PhotonPaths& paths,
-                                        std::span<const Rgbf> power,
-                                        const TexelAtlas& atlas,
-                                        std::span<const Vec3f> w_v,
-                                        std::span<const Reflectance> maps,
-                                        std::span<const std::uint8_t> wanted) {
-    std::vector<IndirectLobe> result(atlas.texels.size());
-    add_indirect_lobe(kernel, paths, power, atlas, w_v, maps, wanted, result);
-    return result;
-}
-
 void add_indirect_lobe(const RatioKernel& kernel,
                        const PhotonPaths& paths,
                        std::span<const Rgbf> power,
@@ -313,7 +300,7 @@ void add_indirect_lobe(const RatioKernel& kernel,
                        std::span<const Vec3f> w_v,
                        std::span<const Reflectance> maps,
                        std::span<const std::uint8_t> wanted,
-                       std::span<IndirectLobe> result) {
+                       LobeColumn sums) {
     parallel_blocks(atlas.texels.size(), kTexelsPerBlock, [&](std::size_t begin, std::size_t end) {
         LobeBatch batch;
         std::vector<ArrivalRange> ranges;
@@ -346,7 +333,7 @@ void add_indirect_lobe(const RatioKernel& kernel,
             sum.half *= 4 * scale;
             sum.same *= scale;
             sum.twice *= 0.25f * scale;
-            result[i] += sum;
+            sums[i] += sum;
         }
     });
 }

@@ -8,6 +8,7 @@
 
 #include "patina/transport/photon_paths.h"
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -35,22 +36,22 @@ struct RatioKernel {
                                              std::span<const double> arrivals,
                                              const RatioKernelOptions& options);
 
-// Indirect irradiance of every texel from the two independent halves of the photons [radiance x
-// sr].
+// Indirect irradiance of a texel from the two independent halves of the photons [radiance x sr].
 struct IndirectIrradiance {
-    std::vector<Rgbf> halves[2];
+    std::array<Rgbf, 2> halves{Rgbf::Zero(), Rgbf::Zero()};
 
-    [[nodiscard]] Rgb mean(std::size_t texel) const {
-        return 0.5 * (halves[0][texel] + halves[1][texel]).cast<double>();
+    [[nodiscard]] Rgb mean() const { return 0.5 * (halves[0] + halves[1]).cast<double>(); }
+    // Half the difference of the halves: an error that mean() may as well have made.
+    [[nodiscard]] Rgb half_difference() const {
+        return 0.5 * (halves[0] - halves[1]).cast<double>();
     }
-    // Variance of mean(), from the difference of the halves.
-    [[nodiscard]] Rgb variance(std::size_t texel) const {
-        return 0.25 * (halves[0][texel] - halves[1][texel]).cast<double>().square();
-    }
+    // Of mean(), from the difference of the halves.
+    [[nodiscard]] Rgb variance() const { return half_difference().square(); }
 };
-[[nodiscard]] IndirectIrradiance indirect_irradiance(const RatioKernel& kernel,
-                                                     const PhotonPaths& paths,
-                                                     std::span<const Rgbf> power);
+// One entry per texel.
+[[nodiscard]] std::vector<IndirectIrradiance> indirect_irradiance(const RatioKernel& kernel,
+                                                                  const PhotonPaths& paths,
+                                                                  std::span<const Rgbf> power);
 
 // Indirect light seen through the lobe, for three widths of it: pi times the radiance that a lobe
 // of Ps = 1 reflects towards the camera [radiance x sr], over the square of the lobe's sigma
@@ -68,15 +69,18 @@ struct IndirectLobe {
     }
 };
 
-// w_v: per texel, unit, towards the camera. Zero where wanted is 0. One entry per texel.
-[[nodiscard]] std::vector<IndirectLobe> indirect_lobe(const RatioKernel& kernel,
-                                                      const PhotonPaths& paths,
-                                                      std::span<const Rgbf> power,
-                                                      const TexelAtlas& atlas,
-                                                      std::span<const Vec3f> w_v,
-                                                      std::span<const Reflectance> maps,
-                                                      std::span<const std::uint8_t> wanted);
-// Adds it to what is there.
+// An entry per texel, the next one `stride` entries behind.
+struct LobeColumn {
+    IndirectLobe* first = nullptr;
+    std::size_t stride = 1;
+
+    [[nodiscard]] IndirectLobe& operator[](std::size_t texel) const {
+        return first[texel * stride];
+    }
+};
+
+// Adds to the light that is there. w_v: per texel, unit, towards the camera. Adds nothing where
+// wanted is 0.
 void add_indirect_lobe(const RatioKernel& kernel,
                        const PhotonPaths& paths,
                        std::span<const Rgbf> power,
@@ -84,6 +88,6 @@ void add_indirect_lobe(const RatioKernel& kernel,
                        std::span<const Vec3f> w_v,
                        std::span<const Reflectance> maps,
                        std::span<const std::uint8_t> wanted,
-                       std::span<IndirectLobe> sum);
+                       LobeColumn sum);
 
 }  // namespace patina

@@ -95,13 +95,14 @@ TEST(RatioKernel, MakesAUniformDensityAUniformIrradianceEverywhere) {
             }
             paths.arrivals_begin.push_back(std::uint32_t(power.size()));
         }
-        const IndirectIrradiance irradiance = indirect_irradiance(kernel, paths, power);
+        const std::vector<IndirectIrradiance> irradiance =
+            indirect_irradiance(kernel, paths, power);
         // Sums of at most 160 terms in single precision.
         constexpr double kSumError = 160 * 6e-8;
         for (std::size_t i = 0; i < atlas.texels.size(); ++i) {
-            const Rgb error = irradiance.mean(i) / Rgb(1, 2, 4) - 1;
+            const Rgb error = irradiance[i].mean() / Rgb(1, 2, 4) - 1;
             EXPECT_LT(error.abs().maxCoeff(), kSumError) << scene.name << ", texel " << i;
-            EXPECT_NEAR(irradiance.variance(i)[0], 0.25, 4 * kSumError);
+            EXPECT_NEAR(irradiance[i].variance()[0], 0.25, 4 * kSumError);
         }
     }
 }
@@ -243,7 +244,9 @@ struct RandomArrivals {
         const std::vector<Vec3f> views(atlas.texels.size(), w_v.cast<float>());
         const std::vector<Reflectance> maps(atlas.texels.size(), {Rgb::Zero(), 1, roughness});
         const std::vector<std::uint8_t> wanted(atlas.texels.size(), 1);
-        return indirect_lobe(kernel, paths, power, atlas, views, maps, wanted)[texel];
+        std::vector<IndirectLobe> lobes(atlas.texels.size());
+        add_indirect_lobe(kernel, paths, power, atlas, views, maps, wanted, {lobes.data()});
+        return lobes[texel];
     }
 
     // The sum over all arrivals by the lobe's own functions, in double precision.
