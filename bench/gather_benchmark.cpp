@@ -82,7 +82,7 @@ struct Scene : ScannedObject {
     }
 
     GatherGraph graph;
-    std::vector<std::vector<DirectLight>> direct;
+    std::vector<LargeVector<DirectLight>> direct;
     LampBlock lamps;
     SurfaceFilter filter;
 };

@@ -48,7 +48,7 @@ struct LitObject : ScannedObject {
         lamps.turns_with_scanner = lamp.frame == FrameOfReference::scanner;
     }
 
-    std::vector<DirectLight> direct;
+    LargeVector<DirectLight> direct;
     LampSet lamps;
 };
 

@@ -31,7 +31,7 @@ struct Channel {
             mesh, {}, {point_light(Vec3(-0.1, 0.4, 1.6), 1), point_light(Vec3(0.1, 0.7, 1.8), 2)});
     }();
     TexelAtlas atlas = build_atlas(scene.mesh, 3 * kPitch, kSide);
-    std::vector<std::vector<DirectLight>> direct;  // per lamp
+    std::vector<LargeVector<DirectLight>> direct;  // per lamp
     std::vector<Reflectance> maps;
 
     Channel() {

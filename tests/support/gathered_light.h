@@ -22,7 +22,7 @@ namespace patina {
 }
 
 [[nodiscard]] inline LampBlock lamp_block(const std::vector<Light>& lights,
-                                          const std::vector<std::vector<DirectLight>>& direct) {
+                                          const std::vector<LargeVector<DirectLight>>& direct) {
     LampBlock block;
     for (const Light& light : lights) block.lights.push_back(&light);
     for (const auto& lamp : direct) block.direct.push_back(&lamp);

@@ -1,5 +1,6 @@
 #include "patina/estimate/finish.h"
 
+#include "patina/base/large_vector.h"
 #include "patina/base/parallel.h"
 #include "patina/estimate/calibration_errors.h"
 #include "patina/estimate/error_propagation.h"
@@ -375,7 +376,7 @@ class Finisher {
     std::span<const float> robust_;
     Estimate& estimate_;
     std::vector<double> specular_ratios_;  // see mean_over_own_specular()
-    std::vector<ErrorBudget> budgets_;
+    LargeVector<ErrorBudget> budgets_;
     std::vector<ResidualEvidence> evidence_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
     std::size_t misfit_stride_;

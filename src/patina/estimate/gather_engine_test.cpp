@@ -74,7 +74,7 @@ class ManyLamps : public testing::Test {
 
     Channel channel_;
     std::vector<Light> lights_;
-    std::vector<std::vector<DirectLight>> direct_;
+    std::vector<LargeVector<DirectLight>> direct_;
     std::vector<std::uint8_t> seen_ = std::vector<std::uint8_t>(channel_.atlas.texels.size(), 0);
 };
 

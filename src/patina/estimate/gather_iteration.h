@@ -4,6 +4,7 @@
 // and contracts by lambda wherever lambda < 1.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/estimate/drawn_lobe.h"
 #include "patina/estimate/estimate.h"
 #include "patina/estimate/fit_rows.h"
@@ -111,7 +112,7 @@ class GatherIteration {
     LobeSpread between_neighbors_ = {0, 0};
     std::vector<LobePrior> priors_;  // empty: nothing is known of neighbours
     double trust_ = 0;               // see evidence_weight()
-    std::vector<TexelFit> fits_;
+    LargeVector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held
     GuidedFill geometry_fill_;

@@ -16,7 +16,7 @@ namespace {
 
 enum class LookQuality : std::uint8_t { none, poor, good };
 
-using Samples = std::vector<std::vector<TexelSample>>;  // per used shot, per texel
+using Samples = std::vector<LargeVector<TexelSample>>;  // per used shot, per texel
 
 // How one shot looks at one texel, before the radiance is read.
 struct Look {

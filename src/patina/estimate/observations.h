@@ -73,7 +73,7 @@ struct SceneView {
     std::vector<std::size_t> lamp_set_of_shot;     // into lamp_sets
     std::vector<std::vector<TexelView>> views;     // per camera that a used shot needs
     std::vector<const Light*> lights;              // every lamp of the capture
-    std::vector<std::vector<DirectLight>> direct;  // per lamp of the capture; empty where unused
+    std::vector<LargeVector<DirectLight>> direct;  // per lamp of the capture; empty where unused
     std::vector<LampSet> lamp_sets;                // distinct sets of lamps, point into direct
 };
 

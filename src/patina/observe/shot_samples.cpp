@@ -35,9 +35,9 @@ TexelSample sample_pixel(const RadianceImage& image, const Vec2f& position) {
 
 }  // namespace
 
-std::vector<TexelSample> sample_shot(const RadianceImage& image,
+LargeVector<TexelSample> sample_shot(const RadianceImage& image,
                                      const std::vector<TexelView>& views) {
-    std::vector<TexelSample> samples(views.size());
+    LargeVector<TexelSample> samples(views.size());
     parallel_for(views.size(), [&](std::size_t i) {
         if (views[i].state != ViewState::hidden) samples[i] = sample_pixel(image, views[i].pixel);
     });

@@ -1,6 +1,7 @@
 // The radiance that one shot shows of every texel.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/capture/capture.h"
 #include "patina/observe/camera_view.h"
 
@@ -20,7 +21,7 @@ struct TexelSample {
 using SampleGradient = std::array<Rgbf, 2>;
 
 // views: of the shot's camera. Bilinear between pixel centres. One entry per texel.
-[[nodiscard]] std::vector<TexelSample> sample_shot(const RadianceImage& image,
+[[nodiscard]] LargeVector<TexelSample> sample_shot(const RadianceImage& image,
                                                    const std::vector<TexelView>& views);
 
 // Over a pixel about each sample; zero where a pixel that it needs is not usable.

@@ -36,7 +36,7 @@ std::uint8_t look_shows(const CoverOptions& options,
 // What one lamp shows of each texel through any of the cameras; bits.
 std::vector<std::uint8_t> lamp_shows(const RigView& rig,
                                      const Light& light,
-                                     const std::vector<DirectLight>& direct,
+                                     const LargeVector<DirectLight>& direct,
                                      const CoverOptions& options) {
     const std::vector<Texel>& texels = rig.capture().atlas.texels;
     const std::vector<Camera>& cameras = rig.capture().description.cameras;
@@ -258,7 +258,7 @@ Measurability measure_candidates(const RigView& rig,
     result.num_seen = rig.seen().size();
     result.shows.resize(num_lights);
     for (const std::size_t light : counted) {
-        const std::vector<DirectLight> direct = rig.direct(description.lights[light]);
+        const LargeVector<DirectLight> direct = rig.direct(description.lights[light]);
         result.shows[light] = lamp_shows(rig, description.lights[light], direct, options);
         if (visit) visit(light, direct);
         progress.advance(1);

@@ -92,7 +92,7 @@ struct LightPlan {
 // there is no candidate, or no camera sees the surface.
 // visit: called with every lamp that counts, in ascending order, and its light at every texel, so
 // that whoever else needs that light need not trace it again.
-using LampVisit = std::function<void(std::size_t light, const std::vector<DirectLight>& direct)>;
+using LampVisit = std::function<void(std::size_t light, const LargeVector<DirectLight>& direct)>;
 [[nodiscard]] Measurability measure_candidates(const RigView& rig,
                                                const CoverOptions& options,
                                                Progress& progress,

@@ -41,10 +41,9 @@ struct PlanTexels {
                                        std::uint64_t seed);
 
 // values: per texel of the atlas. The values of some texels.
-template <typename Value>
-[[nodiscard]] std::vector<Value> values_at(std::span<const TexelId> texels,
-                                           const std::vector<Value>& values) {
-    std::vector<Value> picked;
+template <typename Values>
+[[nodiscard]] auto values_at(std::span<const TexelId> texels, const Values& values) {
+    std::vector<typename Values::value_type> picked;
     picked.reserve(texels.size());
     for (const TexelId texel : texels) picked.push_back(values[texel]);
     return picked;

@@ -36,7 +36,7 @@ class LookCollector {
             measure_candidates(rig_,
                                options_.cover,
                                progress,
-                               [this](std::size_t light, const std::vector<DirectLight>& all) {
+                               [this](std::size_t light, const LargeVector<DirectLight>& all) {
                                    light_[light] = values_at(data_.texels.ids, all);
                                    if (is_taken(light)) return;
                                    data_.candidates.push_back(looks_through_all({light}));

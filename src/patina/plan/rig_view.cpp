@@ -31,7 +31,7 @@ std::vector<TexelView> RigView::views_of(const Camera& camera) const {
     return view_texels(capture_->mesh, tracer_, capture_->atlas, camera);
 }
 
-std::vector<DirectLight> RigView::direct(const Light& light) const {
+LargeVector<DirectLight> RigView::direct(const Light& light) const {
     return direct_light({&capture_->mesh, &tracer_}, capture_->atlas, light);
 }
 

@@ -27,7 +27,7 @@ class RigView {
     }
     // The same for a camera that is not in the description.
     [[nodiscard]] std::vector<TexelView> views_of(const Camera& camera) const;
-    [[nodiscard]] std::vector<DirectLight> direct(const Light& light) const;
+    [[nodiscard]] LargeVector<DirectLight> direct(const Light& light) const;
     // Texels that some camera sees at all, ascending.
     [[nodiscard]] const std::vector<TexelId>& seen() const { return seen_; }
 

@@ -8,7 +8,7 @@ namespace {
 // Marks texels within one ring of a texel in another state. was: the states before.
 void grow_edges(const TexelAtlas& atlas,
                 const std::vector<ShadowState>& was,
-                std::vector<DirectLight>& result) {
+                LargeVector<DirectLight>& result) {
     parallel_for(atlas.texels.size(), [&](std::size_t i) {
         for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
             if (was[atlas.neighbors[k]] != was[i]) result[i].state = ShadowState::edge;
@@ -18,11 +18,11 @@ void grow_edges(const TexelAtlas& atlas,
 
 }  // namespace
 
-std::vector<DirectLight> direct_light(const Surface& surface,
+LargeVector<DirectLight> direct_light(const Surface& surface,
                                       const TexelAtlas& atlas,
                                       const Light& light,
                                       int edge_rings) {
-    std::vector<DirectLight> result(atlas.texels.size());
+    LargeVector<DirectLight> result(atlas.texels.size());
     parallel_for(atlas.texels.size(), [&](std::size_t i) {
         const Texel& texel = atlas.texels[i];
         const LightSample sample = sample_light(light, texel.point.position, texel.azimuth);

@@ -1,9 +1,8 @@
 // Direct light at every texel: computed, never sampled.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/transport/surface.h"
-
-#include <vector>
 
 namespace patina {
 
@@ -25,7 +24,7 @@ struct DirectLight {
 // One entry per texel of the atlas. Lamps that turn with a scanner stand at the azimuth of each
 // texel's column. edge_rings: how many rings of neighbours about a shadow's edge count as edge;
 // >= 1.
-[[nodiscard]] std::vector<DirectLight> direct_light(const Surface& surface,
+[[nodiscard]] LargeVector<DirectLight> direct_light(const Surface& surface,
                                                     const TexelAtlas& atlas,
                                                     const Light& light,
                                                     int edge_rings = 1);

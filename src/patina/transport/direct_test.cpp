@@ -20,7 +20,7 @@ TEST(DirectLight, OfAPointLampFallsWithTheSquareOfItsDistance) {
                          lambertian(0.5),
                          {point_light(lamp, kIntensity)});
     const TexelAtlas atlas = build_atlas(scene.mesh, kSize, kSize);
-    const std::vector<DirectLight> direct =
+    const LargeVector<DirectLight> direct =
         direct_light(scene.surface(), atlas, scene.lights.front());
     ASSERT_EQ(direct.size(), std::size_t(kSize * kSize));
     for (std::size_t i = 0; i < direct.size(); ++i) {
@@ -53,7 +53,7 @@ TEST(DirectLight, OfATurningLampComesFromEveryTexelsOwnAzimuth) {
     for (Texel& texel : atlas.texels) texel.azimuth = 0.05 * texel.column;
     Light lamp = scene.lights.front();
     lamp.frame = FrameOfReference::scanner;
-    const std::vector<DirectLight> direct = direct_light(scene.surface(), atlas, lamp);
+    const LargeVector<DirectLight> direct = direct_light(scene.surface(), atlas, lamp);
     for (std::size_t i = 0; i < direct.size(); ++i) {
         const Vec3 position = rotate_about_y(atlas.texels[i].azimuth, lamp.position);
         const Vec3 w_i = (position - atlas.texels[i].point.position).normalized();
@@ -76,7 +76,7 @@ struct RoofedFloor {
 
 // Columns from begin to end - 1 are edge; those before are dark and those after lit.
 void expect_edge_columns(const RoofedFloor& floor, int rings, int begin, int end) {
-    const std::vector<DirectLight> direct =
+    const LargeVector<DirectLight> direct =
         direct_light(floor.scene.surface(), floor.atlas, floor.scene.lights.front(), rings);
     for (std::size_t i = 0; i < direct.size(); ++i) {
         const Texel& texel = floor.atlas.texels[i];

@@ -23,7 +23,7 @@ inline constexpr std::size_t kLampLanes = kLanes;
 // Up to kLampLanes lamps.
 struct LampBlock {
     std::vector<const Light*> lights;
-    std::vector<const std::vector<DirectLight>*> direct;  // per lamp, per texel of the atlas
+    std::vector<const LargeVector<DirectLight>*> direct;  // per lamp, per texel of the atlas
 
     [[nodiscard]] std::size_t size() const { return lights.size(); }
 };

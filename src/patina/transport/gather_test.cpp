@@ -51,7 +51,7 @@ class LitFloor : public testing::Test {
     LitScene scene_{
         perpendicular_unit_squares(), {}, {directional_light(Vec3::UnitZ(), kIrradiance)}};
     TexelAtlas atlas_ = build_atlas(scene_.mesh, 24, 48);
-    std::vector<std::vector<DirectLight>> direct_{
+    std::vector<LargeVector<DirectLight>> direct_{
         direct_light(scene_.surface(), atlas_, scene_.lights.front())};
     std::vector<Reflectance> maps_ =
         std::vector<Reflectance>(atlas_.texels.size(), lambertian(kAlbedo));
@@ -124,8 +124,8 @@ TEST(ClosedRoom, FillsWithLightGeometrically) {
     DirectLight even;
     even.irradiance = Rgbf::Constant(2);
     even.cos_i = 1;
-    const std::vector<std::vector<DirectLight>> direct = {
-        std::vector<DirectLight>(atlas.texels.size(), even)};
+    const std::vector<LargeVector<DirectLight>> direct = {
+        LargeVector<DirectLight>(atlas.texels.size(), even)};
     const Rgb albedo(0.3, 0.6, 0.8);
     const std::vector<Reflectance> maps(atlas.texels.size(), {albedo, 0, 0.2});
     GatheredLight light(
@@ -154,7 +154,7 @@ TEST(ConvexObject, GathersNothing) {
                          material,
                          {directional_light(Vec3::UnitZ(), 1)});
     const TexelAtlas atlas = build_atlas(scene.mesh, 48, 24);
-    const std::vector<std::vector<DirectLight>> direct = {
+    const std::vector<LargeVector<DirectLight>> direct = {
         direct_light(scene.surface(), atlas, scene.lights.front())};
     const std::vector<Reflectance> maps(atlas.texels.size(), material);
     ViewDirections view;

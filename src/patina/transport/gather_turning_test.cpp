@@ -69,7 +69,7 @@ class FlutedColumnUnderATurningLamp : public testing::Test {
                               return std::vector<Light>{lamp};
                           }()};
     const TexelAtlas atlas_ = FlutedColumn::atlas(scene_.mesh);
-    const std::vector<std::vector<DirectLight>> direct_{
+    const std::vector<LargeVector<DirectLight>> direct_{
         direct_light(scene_.surface(), atlas_, scene_.lights.front())};
     const std::vector<Reflectance> maps_ =
         std::vector<Reflectance>(atlas_.texels.size(), material_);

@@ -70,7 +70,7 @@ struct PhotonPaths {
 // The lamps that shine together in a shot, with their direct light on every texel of the atlas.
 struct LampSet {
     std::vector<const Light*> lights;
-    std::vector<const std::vector<DirectLight>*> direct;
+    std::vector<const LargeVector<DirectLight>*> direct;
     std::vector<std::size_t> indices;  // of the lights among those of the capture
     bool turns_with_scanner = false;
 };
