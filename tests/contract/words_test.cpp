@@ -34,6 +34,7 @@ std::string with_folder(std::string text, const TestFolder& folder) {
 TEST_P(ContractWords, EndWithOneLineAndStatusTwo) {
     const TestFolder folder;
     write_file(folder / "file", "text");
+    write_file(folder / "taken.graph", "text");
     const ProgramRun run = run_program(with_folder(GetParam().arguments, folder), folder.path());
     EXPECT_EQ(run.status, 2);
     EXPECT_EQ(run.output, "");
@@ -74,6 +75,9 @@ INSTANTIATE_TEST_SUITE_P(
         WrongWords{"GraphIsAnotherFile",
                    "estimate a -o FOLDER/r --graph FOLDER/file",
                    "patina: FOLDER/file: is no gather graph"},
+        WrongWords{"AnotherFileWhereTheGraphWouldLie",
+                   "estimate a -o FOLDER/taken/",
+                   "patina: FOLDER/taken.graph: is no gather graph"},
         WrongWords{"GraphInTheResult",
                    "estimate a -o FOLDER/r --graph FOLDER/r/graph",
                    "patina: --graph: lies in the result's folder"},

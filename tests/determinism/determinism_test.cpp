@@ -104,7 +104,8 @@ TEST(Determinism, ASavedGraphLeavesTheSameBytesForAllThreads) {
         return estimate.errors;
     };
     const std::string read = "gather graph: read from ";
-    run("", "without");
+    run(" --graph none", "without");
+    EXPECT_FALSE(fs::exists(folder / "without.graph"));
     EXPECT_EQ(run(graph + " --threads 1", "written").find(read), std::string::npos);
     const std::string bytes = read_file(folder / "graph");
     EXPECT_NE(run(graph + " --threads 2", "read").find(read), std::string::npos);
@@ -115,6 +116,11 @@ TEST(Determinism, ASavedGraphLeavesTheSameBytesForAllThreads) {
     fs::remove(folder / "graph");
     run(graph + " --threads 2", "again");
     EXPECT_TRUE(read_file(folder / "graph") == bytes);
+    // Beside the result unless told otherwise.
+    EXPECT_EQ(run("", "beside").find(read), std::string::npos);
+    EXPECT_TRUE(read_file(folder / "beside.graph") == bytes);
+    EXPECT_NE(run("", "beside").find(read), std::string::npos);
+    expect_equal_files(folder / "without", folder / "beside");
 }
 
 TEST(Determinism, AnotherSeedGivesOtherBytes) {

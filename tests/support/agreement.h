@@ -108,8 +108,8 @@ class PathTracerCheck {
         for (int turn = 0; turn < turns; ++turn) light = engine.evaluate(maps_, nowhere, true);
         LightSum sum;
         for (std::size_t i = 0; i * stride_ < maps_.size(); ++i) {
-            const IndirectIrradiance& irradiance = light.irradiance[set(i)];
-            sum += {irradiance.mean(i * stride_)[1], irradiance.variance(i * stride_)[1]};
+            const IndirectIrradiance& irradiance = light.irradiance.of(i * stride_)[set(i)];
+            sum += {irradiance.mean()[1], irradiance.variance()[1]};
         }
         return sum;
     }

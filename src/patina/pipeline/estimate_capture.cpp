@@ -234,6 +234,16 @@ std::string scale_words(const Json& scale) {
                        100 * scale.find("standard_error")->number);
 }
 
+// What the words of --graph mean; empty: the graph is not kept.
+fs::path graph_file_of(const EstimateOptions& options, const fs::path& result) {
+    if (options.method != Method::gather || options.graph_file == kNoGraph) return {};
+    if (!options.graph_file.empty()) return options.graph_file;
+    fs::path beside = result.lexically_normal();
+    if (!beside.has_filename()) beside = beside.parent_path();
+    beside += ".graph";
+    return beside;
+}
+
 // The result's folder is replaced as a whole, with all that lies in it.
 void check_graph_file(const fs::path& file, const fs::path& result) {
     const fs::path inside = fs::weakly_canonical(fs::absolute(file))
@@ -290,9 +300,11 @@ Result make_result(const Capture& capture,
 
 Json estimate_capture(const fs::path& capture_path,
                       const fs::path& result_path,
-                      const EstimateOptions& options,
+                      const EstimateOptions& given,
                       Progress& progress) {
-    validate(options);
+    validate(given);
+    EstimateOptions options = given;
+    options.graph_file = graph_file_of(given, result_path);
     if (!options.graph_file.empty()) check_graph_file(options.graph_file, result_path);
     OutputFolder folder(result_path, "-o");
     progress.begin_stage("read geometry");

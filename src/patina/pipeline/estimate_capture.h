@@ -25,8 +25,12 @@ namespace patina {
                                  const EstimateOptions& options,
                                  const Estimate& estimate);
 
-// Estimates and writes the result's folder, replacing what was there once all is done. Returns what
-// result.json holds, `timing` included. Throws Error, WorkFailed, Interrupted.
+// In options.graph_file: keep no graph.
+inline constexpr const char* kNoGraph = "none";
+
+// Estimates and writes the result's folder, replacing what was there once all is done. Where
+// options.graph_file is empty, the graph of method gather is kept beside it, as RESULT.graph.
+// Returns what result.json holds, `timing` included. Throws Error, WorkFailed, Interrupted.
 [[nodiscard]] Json estimate_capture(const std::filesystem::path& capture_path,
                                     const std::filesystem::path& result_path,
                                     const EstimateOptions& options,

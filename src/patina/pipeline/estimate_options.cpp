@@ -11,6 +11,16 @@ Choices<Method> method_choices() {
             {"gather", Method::gather}};
 }
 
+Option graph_option(std::filesystem::path& field) {
+    Option option = path_option("graph",
+                                "FILE|none",
+                                field,
+                                "keep the graph of method gather there, and reuse it where "
+                                "geometry, cameras and settings are the same");
+    option.default_text = "RESULT.graph";
+    return not_a_setting(option);
+}
+
 OptionTable fine_option_table(EstimateOptions& options) {
     ObservationOptions& looks = options.observations;
     FitOptions& fit = options.fit;
@@ -73,11 +83,7 @@ OptionTable fine_option_table(EstimateOptions& options) {
                        options.gather.lobe_rays,
                        between(8, kMaxGatherRays),
                        "rays of method gather towards the lobe of each texel and camera"),
-        not_a_setting(path_option("graph",
-                                  "FILE",
-                                  options.graph_file,
-                                  "keep the graph of method gather there, and reuse it where "
-                                  "geometry, cameras and settings are the same")),
+        graph_option(options.graph_file),
         not_a_setting(number_option("memory",
                                     options.memory,
                                     above(0),

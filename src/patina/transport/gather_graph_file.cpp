@@ -271,14 +271,15 @@ GatherGraph read_or_trace_gather_graph(const fs::path& path,
                                        std::span<const ViewDirections> views,
                                        const GatherOptions& options,
                                        Progress& progress) {
-    progress.begin_stage("gather graph");
     const Hash128 fingerprint = gather_graph_fingerprint(*surface.mesh, atlas, views, options);
-    if (std::optional<GatherGraph> graph = read_gather_graph(path, fingerprint)) {
-        progress.end_stage("read from " + path.string());
-        return std::move(*graph);
+    if (fs::exists(path)) {
+        progress.begin_stage("gather graph");
+        if (std::optional<GatherGraph> graph = read_gather_graph(path, fingerprint)) {
+            progress.end_stage("read from " + path.string());
+            return std::move(*graph);
+        }
+        progress.end_stage("another in " + path.string());
     }
-    progress.end_stage(
-        fmt::format("{} in {}", fs::exists(path) ? "another" : "none", path.string()));
     GatherGraph graph = trace_gather_graph(surface, atlas, views, options, progress);
     progress.begin_stage("gather graph");
     try {
