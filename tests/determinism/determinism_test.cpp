@@ -74,6 +74,7 @@ TEST_P(DeterminismOfMethods, EstimateLeavesTheSameBytesForAllThreads) {
                                     " --photons 20000 --iterations 8 --method " +
                                     std::string(GetParam()),
                                 folder);
+    EXPECT_EQ(fs::exists(folder / "1.graph"), std::string(GetParam()) == "gather");
 }
 
 INSTANTIATE_TEST_SUITE_P(All,
@@ -116,11 +117,11 @@ TEST(Determinism, ASavedGraphLeavesTheSameBytesForAllThreads) {
     fs::remove(folder / "graph");
     run(graph + " --threads 2", "again");
     EXPECT_TRUE(read_file(folder / "graph") == bytes);
-    // Beside the result unless told otherwise.
-    EXPECT_EQ(run("", "beside").find(read), std::string::npos);
-    EXPECT_TRUE(read_file(folder / "beside.graph") == bytes);
-    EXPECT_NE(run("", "beside").find(read), std::string::npos);
-    expect_equal_files(folder / "without", folder / "beside");
+    // Beside the result unless told otherwise, also where there is no folder yet.
+    EXPECT_EQ(run("", "new/beside").find(read), std::string::npos);
+    EXPECT_TRUE(read_file(folder / "new" / "beside.graph") == bytes);
+    EXPECT_NE(run("", "new/beside/").find(read), std::string::npos);
+    expect_equal_files(folder / "without", folder / "new" / "beside");
 }
 
 TEST(Determinism, AnotherSeedGivesOtherBytes) {

@@ -23,6 +23,8 @@ class OutputFolder {
 
     // Where to write in the meantime.
     [[nodiscard]] const std::filesystem::path& path() const { return temporary_; }
+    // What it becomes: absolute, and ends with the folder's name, also where "." was given.
+    [[nodiscard]] const std::filesystem::path& target() const { return target_; }
     void commit();
 
   private:

@@ -36,7 +36,8 @@ struct EstimateOptions {
     PhotonOptions photons;
     RatioKernelOptions kernel;
     GatherOptions gather;
-    // Where method gather keeps its graph for the next estimate; empty: nowhere.
+    // Where method gather keeps its graph for the next estimate; empty: nowhere (for
+    // estimate_capture(): beside the result).
     std::filesystem::path graph_file;
     // What method gather may take [GiB]; nothing: what it needs. > 0
     std::optional<double> memory;

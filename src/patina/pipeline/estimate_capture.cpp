@@ -234,16 +234,6 @@ std::string scale_words(const Json& scale) {
                        100 * scale.find("standard_error")->number);
 }
 
-// What the words of --graph mean; empty: the graph is not kept.
-fs::path graph_file_of(const EstimateOptions& options, const fs::path& result) {
-    if (options.method != Method::gather || options.graph_file == kNoGraph) return {};
-    if (!options.graph_file.empty()) return options.graph_file;
-    fs::path beside = result.lexically_normal();
-    if (!beside.has_filename()) beside = beside.parent_path();
-    beside += ".graph";
-    return beside;
-}
-
 // The result's folder is replaced as a whole, with all that lies in it.
 void check_graph_file(const fs::path& file, const fs::path& result) {
     const fs::path inside = fs::weakly_canonical(fs::absolute(file))
@@ -302,11 +292,18 @@ Json estimate_capture(const fs::path& capture_path,
                       const fs::path& result_path,
                       const EstimateOptions& given,
                       Progress& progress) {
-    validate(given);
     EstimateOptions options = given;
-    options.graph_file = graph_file_of(given, result_path);
-    if (!options.graph_file.empty()) check_graph_file(options.graph_file, result_path);
+    const bool keeps_graph = options.method == Method::gather && options.graph_file != kNoGraph;
+    if (options.graph_file == kNoGraph) options.graph_file.clear();
+    validate(options);
     OutputFolder folder(result_path, "-o");
+    if (keeps_graph) {
+        if (options.graph_file.empty()) {
+            options.graph_file = folder.target();
+            options.graph_file += ".graph";
+        }
+        check_graph_file(options.graph_file, folder.target());
+    }
     progress.begin_stage("read geometry");
     const Capture capture = load_capture(capture_path);
     progress.end_stage(fmt::format("{}, {} triangles, {} texels",

@@ -25,7 +25,7 @@ namespace patina {
                                  const EstimateOptions& options,
                                  const Estimate& estimate);
 
-// In options.graph_file: keep no graph.
+// options.graph_file for estimate_capture() alone: keep no graph.
 inline constexpr const char* kNoGraph = "none";
 
 // Estimates and writes the result's folder, replacing what was there once all is done. Where

@@ -188,7 +188,8 @@ class GraphWriter {
 
 // Files that are no graph are the user's. The beginning of one is what a full disk left of it.
 void refuse_other_files(const fs::path& path) {
-    const std::string expected = "a graph that 'patina estimate' wrote, or a new name";
+    const std::string expected =
+        "a graph that 'patina estimate' wrote, or --graph with another name";
     if (!fs::exists(path)) return;
     if (!fs::is_regular_file(path)) throw Error(path.string(), "", "is not a file", expected);
     std::ifstream stream(path, std::ios::binary);

@@ -244,9 +244,11 @@ struct RandomArrivals {
         const std::vector<Vec3f> views(atlas.texels.size(), w_v.cast<float>());
         const std::vector<Reflectance> maps(atlas.texels.size(), {Rgb::Zero(), 1, roughness});
         const std::vector<std::uint8_t> wanted(atlas.texels.size(), 1);
-        std::vector<IndirectLobe> lobes(atlas.texels.size());
-        add_indirect_lobe(kernel, paths, power, atlas, views, maps, wanted, {lobes.data()});
-        return lobes[texel];
+        // The second of three that every texel has.
+        constexpr std::size_t kStride = 3;
+        std::vector<IndirectLobe> lobes(kStride * atlas.texels.size());
+        add_indirect_lobe(kernel, paths, power, atlas, views, maps, wanted, {&lobes[1], kStride});
+        return lobes[kStride * texel + 1];
     }
 
     // The sum over all arrivals by the lobe's own functions, in double precision.
