@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t kLine = 64;
 constexpr std::size_t kPage = std::size_t(4) << 10;
 constexpr std::size_t kHugePage = std::size_t(2) << 20;
-// Less is cleared sooner than threads are woken for it.
-constexpr std::size_t kWorthThreads = 4 * kHugePage;
+// Clearing one page takes longer than waking threads; less than two leave nothing to share.
+constexpr std::size_t kWorthThreads = 2 * kHugePage;
 
 // The system clears every page when it is first written, which takes longer than the writing: here
 // all threads have it done, as std::vector fills its elements with one.

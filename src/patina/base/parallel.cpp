@@ -7,6 +7,10 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
+
+#include <exception>
+#include <utility>
 
 namespace patina {
 
@@ -46,6 +50,28 @@ void parallel_blocks(std::size_t count,
     oneapi::tbb::this_task_arena::isolate([&] {
         oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, num_blocks, 1), run);
     });
+}
+
+struct BesideWork::State {
+    oneapi::tbb::task_group group;
+    std::exception_ptr exception;
+};
+
+BesideWork::BesideWork(const std::function<void()>& work) : state_(std::make_unique<State>()) {
+    state_->group.run([work, state = state_.get()] {
+        try {
+            work();
+        } catch (...) {
+            state->exception = std::current_exception();
+        }
+    });
+}
+
+BesideWork::~BesideWork() { state_->group.wait(); }
+
+void BesideWork::wait() {
+    state_->group.wait();
+    if (state_->exception) std::rethrow_exception(std::exchange(state_->exception, nullptr));
 }
 
 }  // namespace patina

@@ -66,4 +66,22 @@ template <typename Value, typename Term>
     return total;
 }
 
+// Work that goes on beside the caller's, on a thread that has nothing else to do. Where there is
+// none, it is done when it is waited for.
+class BesideWork {
+  public:
+    explicit BesideWork(const std::function<void()>& work);
+    // Waits. What the work throws is lost.
+    ~BesideWork();
+    BesideWork(const BesideWork&) = delete;
+    BesideWork& operator=(const BesideWork&) = delete;
+
+    // Passes on what the work threw.
+    void wait();
+
+  private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
 }  // namespace patina

@@ -64,6 +64,34 @@ TEST(OrderedReduce, AddsBlocksInOrder) {
     EXPECT_EQ(ordered_reduce(kCount, 0.0, uneven_term), expected);
 }
 
+TEST(BesideWork, IsDoneWhenItWasWaitedFor) {
+    for (const int threads : {1, 2}) {
+        const ThreadLimit limit(threads);
+        int result = 0;
+        BesideWork work([&result] { result = 7; });
+        // The caller's own loops go on meanwhile.
+        EXPECT_EQ(ordered_reduce(100000, 0.0, [](std::size_t) { return 1.0; }), 100000) << threads;
+        work.wait();
+        EXPECT_EQ(result, 7) << threads;
+    }
+}
+
+TEST(BesideWork, IsDoneWhereNobodyWaits) {
+    int result = 0;
+    {
+        const BesideWork work([&result] { result = 7; });
+    }
+    EXPECT_EQ(result, 7);
+}
+
+TEST(BesideWork, PassesItsExceptionToThoseWhoWait) {
+    const auto fail = [] { throw std::runtime_error("of the work"); };
+    BesideWork waited(fail);
+    EXPECT_THROW(waited.wait(), std::runtime_error);
+    EXPECT_NO_THROW(waited.wait());
+    const BesideWork not_waited(fail);
+}
+
 TEST(ThreadLimit, HoldsWhileItLives) {
     const int before = thread_count();
     {

@@ -35,8 +35,8 @@ struct OwnLobe {
     bool is_known = false;
 };
 
-std::vector<OwnLobe> own_lobes(std::span<const TexelFit> fits) {
-    std::vector<OwnLobe> lobes(fits.size());
+LargeVector<OwnLobe> own_lobes(std::span<const TexelFit> fits) {
+    LargeVector<OwnLobe> lobes(fits.size());
     parallel_for(lobes.size(), [&](std::size_t i) {
         if (!has_lobe(fits[i])) return;
         lobes[i].value = log_lobe(fits[i].reflectance);
@@ -110,13 +110,13 @@ LobeSpread neighbor_spread(const TexelAtlas& atlas, std::span<const TexelFit> fi
         std::sqrt(between_neighbors(one.whole.roughness, two.whole.roughness, one.own.roughness))};
 }
 
-std::vector<LobePrior> neighbor_priors(const TexelAtlas& atlas,
+LargeVector<LobePrior> neighbor_priors(const TexelAtlas& atlas,
                                        std::span<const float> links,
                                        std::span<const TexelFit> fits,
                                        const LobeSpread& between) {
-    std::vector<LobePrior> priors(fits.size());
+    LargeVector<LobePrior> priors(fits.size());
     if (!std::isfinite(between.specular_albedo) || !std::isfinite(between.roughness)) return priors;
-    const std::vector<OwnLobe> lobes = own_lobes(fits);
+    const LargeVector<OwnLobe> lobes = own_lobes(fits);
     const Eigen::Matrix2d apart = LogLobe(square(std::max(between.specular_albedo, kLeastSpread)),
                                           square(std::max(between.roughness, kLeastSpread)))
                                       .asDiagonal();

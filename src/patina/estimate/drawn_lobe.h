@@ -5,6 +5,7 @@
 // Science 6(1), 1991.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/estimate/informed_lobe.h"
 #include "patina/estimate/texel_turn.h"
 #include "patina/scene/atlas.h"
@@ -30,7 +31,7 @@ struct LobePrior {
 // One entry per texel. Of every measured texel of two rings its own lobe with the errors of its own
 // looks, and with `between` times the distance, longer over weak links; less of those that differ
 // by more than that, which lie across a border. links: one per entry of atlas.neighbors, in (0, 1].
-[[nodiscard]] std::vector<LobePrior> neighbor_priors(const TexelAtlas& atlas,
+[[nodiscard]] LargeVector<LobePrior> neighbor_priors(const TexelAtlas& atlas,
                                                      std::span<const float> links,
                                                      std::span<const TexelFit> fits,
                                                      const LobeSpread& between);

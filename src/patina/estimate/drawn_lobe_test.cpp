@@ -43,11 +43,11 @@ class DrawnLobes : public testing::Test {
         }
     }
 
-    [[nodiscard]] LogLobe drawn(const std::vector<LobePrior>& priors, std::size_t i) const {
+    [[nodiscard]] LogLobe drawn(const LargeVector<LobePrior>& priors, std::size_t i) const {
         return drawn_lobe(log_lobe(fits_[i].reflectance), information(i), priors[i]);
     }
     // What is left of the variance of ln sigma.
-    [[nodiscard]] double share(const std::vector<LobePrior>& priors, std::size_t i) const {
+    [[nodiscard]] double share(const LargeVector<LobePrior>& priors, std::size_t i) const {
         const Eigen::Matrix2d left = (information(i) + priors[i].precision).inverse();
         return left(1, 1) / information(i).inverse()(1, 1);
     }
@@ -94,7 +94,7 @@ TEST_F(DrawnLobes, TooFewSayNothing) {
 }
 
 TEST_F(DrawnLobes, StayAsTheyAreWithoutNeighbors) {
-    const std::vector<LobePrior> none(fits_.size());
+    const LargeVector<LobePrior> none(fits_.size());
     EXPECT_LT((drawn(none, 0) - truth_).norm(), 1e-6);
     EXPECT_NEAR(share(none, 0), 1, 1e-9);
 }
@@ -102,7 +102,7 @@ TEST_F(DrawnLobes, StayAsTheyAreWithoutNeighbors) {
 // One material, every lobe known with the same errors.
 TEST_F(DrawnLobes, KeepTheShareOfTheirErrorsThatIsSaid) {
     add_noise();
-    const std::vector<LobePrior> priors = neighbor_priors(atlas_, links_, fits_, {0, 0});
+    const LargeVector<LobePrior> priors = neighbor_priors(atlas_, links_, fits_, {0, 0});
     LogLobe squares = LogLobe::Zero();
     double shares = 0;
     double count = 0;
@@ -147,7 +147,7 @@ TEST_F(DrawnLobes, DoNotReachOverABorder) {
         if (is_left(i)) continue;
         set_lobe(i, log_lobe(fits_[i].reflectance) + LogLobe(0, 2.0));
     }
-    const std::vector<LobePrior> priors = neighbor_priors(atlas_, links_, fits_, {0, 0});
+    const LargeVector<LobePrior> priors = neighbor_priors(atlas_, links_, fits_, {0, 0});
     double sum = 0;
     double count = 0;
     for (std::size_t i = 0; i < fits_.size(); ++i) {

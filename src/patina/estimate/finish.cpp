@@ -284,7 +284,7 @@ class Finisher {
                 return *this;
             }
         };
-        std::vector<Sum> sums(budgets_.size());
+        LargeVector<Sum> sums(budgets_.size());
         parallel_for(sums.size(), [&](std::size_t i) {
             if (fits_[i].observed) sums[i] = {budgets_[i].transport, 1.0};
         });
@@ -296,8 +296,8 @@ class Finisher {
 
     void find_blur() {
         const std::size_t num_texels = budgets_.size();
-        std::vector<Parameters> maps(num_texels);
-        std::vector<Parameters> noise(num_texels);
+        LargeVector<Parameters> maps(num_texels);
+        LargeVector<Parameters> noise(num_texels);
         std::vector<std::uint8_t> observed(num_texels);
         parallel_for(num_texels, [&](std::size_t i) {
             maps[i] = parameters_of(estimate_.maps[i]);
@@ -305,7 +305,7 @@ class Finisher {
             observed[i] = fits_[i].observed;
         });
         const double moment = *std::max_element(footprints_.begin(), footprints_.end());
-        const std::vector<Parameters> blur = footprint_blur(atlas_, maps, noise, observed, moment);
+        const LargeVector<Parameters> blur = footprint_blur(atlas_, maps, noise, observed, moment);
         parallel_for(num_texels, [&](std::size_t i) { budgets_[i].blur = blur[i]; });
     }
 
@@ -377,7 +377,7 @@ class Finisher {
     Estimate& estimate_;
     std::vector<double> specular_ratios_;  // see mean_over_own_specular()
     LargeVector<ErrorBudget> budgets_;
-    std::vector<ResidualEvidence> evidence_;
+    LargeVector<ResidualEvidence> evidence_;
     std::vector<std::optional<double>> left_out_;  // see left_out_misfit()
     std::size_t misfit_stride_;
     std::vector<double> footprints_;  // see footprint_moments()

@@ -111,16 +111,16 @@ double blur_variance(double over_one, double over_two) {
 
 }  // namespace
 
-std::vector<Parameters> footprint_blur(const TexelAtlas& atlas,
+LargeVector<Parameters> footprint_blur(const TexelAtlas& atlas,
                                        std::span<const Parameters> maps,
                                        std::span<const Parameters> noise,
                                        std::span<const std::uint8_t> observed,
                                        double moment) {
     const Blur blur(atlas, maps, noise, observed);
-    std::vector<Differences> sums(maps.size());
+    LargeVector<Differences> sums(maps.size());
     parallel_for(sums.size(), [&](std::size_t i) { sums[i] = blur.differences(i); });
     sum_over_rings(atlas, kRings, sums);
-    std::vector<Parameters> variance(maps.size(), Parameters::Zero());
+    LargeVector<Parameters> variance(maps.size(), Parameters::Zero());
     parallel_for(sums.size(), [&](std::size_t i) {
         if (sums[i].count == 0) return;
         for (int k = 0; k < kNumParameters; ++k) {

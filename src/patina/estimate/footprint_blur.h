@@ -2,6 +2,7 @@
 // judged by how the maps themselves vary from texel to texel. docs/uncertainty.md.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/estimate/error_propagation.h"
 #include "patina/scene/atlas.h"
 
@@ -22,7 +23,7 @@ namespace patina {
 //
 // noise: variance of the maps' own errors, whose second differences are taken off. moment: second
 // moment of a footprint along one axis [texel^2].
-[[nodiscard]] std::vector<Parameters> footprint_blur(const TexelAtlas& atlas,
+[[nodiscard]] LargeVector<Parameters> footprint_blur(const TexelAtlas& atlas,
                                                      std::span<const Parameters> maps,
                                                      std::span<const Parameters> noise,
                                                      std::span<const std::uint8_t> observed,

@@ -29,7 +29,7 @@ class FootprintBlur : public testing::Test {
     [[nodiscard]] double found(const std::vector<Parameters>& maps, double noise) const {
         const std::vector<Parameters> variances(maps.size(), Parameters::Constant(square(noise)));
         const std::vector<std::uint8_t> observed(maps.size(), 1);
-        const std::vector<Parameters> blur =
+        const LargeVector<Parameters> blur =
             footprint_blur(atlas_, maps, variances, observed, kMoment);
         double sum = 0;
         int count = 0;

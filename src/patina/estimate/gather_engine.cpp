@@ -1,7 +1,6 @@
 #include "patina/estimate/gather_engine.h"
 
 #include "patina/base/parallel.h"
-#include "patina/transport/gather_graph_file.h"
 
 #include <algorithm>
 #include <limits>
@@ -21,6 +20,12 @@ constexpr double kRounding = 3e-4;
 constexpr double kLongBounces = 0.8;
 constexpr double kMostKept = 0.95;
 constexpr int kPlainSweeps = 3;
+
+GatherOptions seeded_gather_options(const EstimateOptions& options) {
+    GatherOptions gather = options.gather;
+    gather.seed = options.photons.seed;
+    return gather;
+}
 
 }  // namespace
 
@@ -49,13 +54,12 @@ GatherEngine::GatherEngine(const Surface& surface,
                            const EstimateOptions& options,
                            Progress& progress,
                            std::size_t kept_blocks)
-    : atlas_(atlas), scene_(scene), views_(view_directions(scene)) {
-    GatherOptions gather = options.gather;
-    gather.seed = options.photons.seed;
-    graph_ = options.graph_file.empty()
-                 ? trace_gather_graph(surface, atlas, views_, gather, progress)
-                 : read_or_trace_gather_graph(
-                       options.graph_file, surface, atlas, views_, gather, progress);
+    : atlas_(atlas),
+      scene_(scene),
+      views_(view_directions(scene)),
+      kept_graph_(
+          options.graph_file, surface, atlas, views_, seeded_gather_options(options), progress),
+      graph_(kept_graph_.graph()) {
     progress.begin_stage("light at the hits");
     filter_ = build_surface_filter(atlas, options.filter_radius);
 

@@ -4,6 +4,7 @@
 #include "patina/estimate/estimate.h"
 #include "patina/estimate/indirect.h"
 #include "patina/estimate/observations.h"
+#include "patina/transport/gather_graph_file.h"
 #include "patina/transport/gather_sweep.h"
 #include "patina/transport/narrow_lobes.h"
 
@@ -23,7 +24,8 @@ namespace patina {
 
 class GatherEngine final : public IndirectEngine {
   public:
-    // Reads the graph from options.graph_file, or traces it. kept_blocks: so many blocks of lamps
+    // Reads the graph from options.graph_file, or traces it and begins to write it there.
+    // kept_blocks: so many blocks of lamps
     // keep what is known of them at the hits, those that turn first; the others compute it again in
     // each turn.
     GatherEngine(const Surface& surface,
@@ -47,6 +49,9 @@ class GatherEngine final : public IndirectEngine {
                   bool with_specular,
                   IndirectLight& light,
                   bool settled = false);
+
+    // Waits until options.graph_file holds the graph; a disk that refuses is only warned about.
+    void finish_graph_file(Progress& progress) { kept_graph_.finish(progress); }
 
     // Forgets the light of earlier sweeps, not the graph.
     void restart();
@@ -81,7 +86,8 @@ class GatherEngine final : public IndirectEngine {
     const TexelAtlas& atlas_;
     const SceneView& scene_;
     std::vector<ViewDirections> views_;  // per camera view; zero where it sees nothing
-    GatherGraph graph_;
+    KeptGatherGraph kept_graph_;
+    const GatherGraph& graph_;
     SurfaceFilter filter_;
     std::vector<LampBlockLight>
         blocks_;  // first those of lamps that stand, then of those that turn

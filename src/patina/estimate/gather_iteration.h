@@ -94,7 +94,7 @@ class GatherIteration {
     void inform_filled(const IndirectLight& light, bool frozen);
     void choose_informed();
     [[nodiscard]] double trust_in_looks(const IndirectLight& light) const;
-    [[nodiscard]] std::vector<LobeEvidence> evidence_of_looks(const IndirectLight& light) const;
+    [[nodiscard]] LargeVector<LobeEvidence> evidence_of_looks(const IndirectLight& light) const;
     void take_informed(const IndirectLight& light,
                        std::span<const LobeEvidence> evidence,
                        bool frozen);
@@ -110,7 +110,7 @@ class GatherIteration {
     double shared_lobe_ = 0;
     int num_free_turns_ = 0;  // under bounced light, not frozen
     LobeSpread between_neighbors_ = {0, 0};
-    std::vector<LobePrior> priors_;  // empty: nothing is known of neighbours
+    LargeVector<LobePrior> priors_;  // empty: nothing is known of neighbours
     double trust_ = 0;               // see evidence_weight()
     LargeVector<TexelFit> fits_;
     std::vector<float> robust_;       // factors on the weights, per row of the observations

@@ -42,14 +42,14 @@ void GatherIteration::inform_filled(const IndirectLight& light, bool frozen) {
         choose_informed();
         trust_ = trust_in_looks(light);
         if (trust_ == 0) {
-            for (TexelFit& fit : fits_) fit.informed = false;
+            parallel_for(num_texels_, [&](std::size_t i) { fits_[i].informed = false; });
         }
     }
-    for (TexelFit& fit : fits_) {
-        if (!fit.roughness_measured) fit.lobe_information.setZero();
-    }
+    parallel_for(num_texels_, [&](std::size_t i) {
+        if (!fits_[i].roughness_measured) fits_[i].lobe_information.setZero();
+    });
     if (trust_ == 0) return;
-    std::vector<LobeEvidence> evidence = evidence_of_looks(light);
+    LargeVector<LobeEvidence> evidence = evidence_of_looks(light);
     pool_evidence(atlas_, lobe_filling_.links(), evidence);
     take_informed(light, evidence, frozen);
 }
@@ -93,7 +93,7 @@ double GatherIteration::trust_in_looks(const IndirectLight& light) const {
     if (std::hypot(spread.specular_albedo, by_roughness * spread.roughness) > kVaguestFilling) {
         return 0;
     }
-    std::vector<LobeEvidence> evidence(num_texels_);
+    LargeVector<LobeEvidence> evidence(num_texels_);
     std::vector<std::uint8_t> is_judge(num_texels_, 0);
     parallel_blocks(num_texels_, kBlock, [&](std::size_t begin, std::size_t end) {
         std::vector<FitRow> rows;
@@ -125,8 +125,8 @@ double GatherIteration::trust_in_looks(const IndirectLight& light) const {
     return evidence_weight(judges, spread);
 }
 
-std::vector<LobeEvidence> GatherIteration::evidence_of_looks(const IndirectLight& light) const {
-    std::vector<LobeEvidence> evidence(num_texels_);
+LargeVector<LobeEvidence> GatherIteration::evidence_of_looks(const IndirectLight& light) const {
+    LargeVector<LobeEvidence> evidence(num_texels_);
     parallel_blocks(num_texels_, kBlock, [&](std::size_t begin, std::size_t end) {
         std::vector<FitRow> rows;
         for (std::size_t i = begin; i < end; ++i) {

@@ -20,10 +20,10 @@ constexpr std::size_t kFewestJudges = 50;
 constexpr std::array<double, 4> kEvidenceWeights = {1, 1.0 / 4, 1.0 / 16, 1.0 / 64};
 
 // Each texel's evidence and, with their links, its neighbours'.
-std::vector<LobeEvidence> with_neighbors(const TexelAtlas& atlas,
+LargeVector<LobeEvidence> with_neighbors(const TexelAtlas& atlas,
                                          std::span<const float> links,
-                                         const std::vector<LobeEvidence>& evidence) {
-    std::vector<LobeEvidence> sums = evidence;
+                                         const LargeVector<LobeEvidence>& evidence) {
+    LargeVector<LobeEvidence> sums = evidence;
     parallel_for(sums.size(), [&](std::size_t i) {
         for (std::uint32_t k = atlas.neighbor_begin[i]; k < atlas.neighbor_begin[i + 1]; ++k) {
             LobeEvidence of_neighbor = evidence[atlas.neighbors[k]];
@@ -104,7 +104,7 @@ LobeEvidence lobe_evidence(std::span<const FitRow> rows,
 
 void pool_evidence(const TexelAtlas& atlas,
                    std::span<const float> links,
-                   std::vector<LobeEvidence>& evidence) {
+                   LargeVector<LobeEvidence>& evidence) {
     PATINA_CHECK_EQ(links.size(), atlas.neighbors.size());
     evidence = with_neighbors(atlas, links, with_neighbors(atlas, links, evidence));
     parallel_for(evidence.size(), [&](std::size_t i) {

@@ -2,6 +2,7 @@
 // corrected by what the looks of the texel and of its neighbours add. docs/theory.md, "Filling".
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/estimate/fill_errors.h"
 #include "patina/estimate/texel_fit.h"
 
@@ -42,7 +43,7 @@ struct LobeEvidence {
 // one per entry of atlas.neighbors.
 void pool_evidence(const TexelAtlas& atlas,
                    std::span<const float> links,
-                   std::vector<LobeEvidence>& evidence);
+                   LargeVector<LobeEvidence>& evidence);
 
 // Covariance of the errors of a LogLobe that was filled with `spread`, with evidence besides (of no
 // information: the spread alone).

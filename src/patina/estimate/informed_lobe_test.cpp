@@ -113,7 +113,7 @@ TEST(InformedLobe, PoolsWhatNeighboursTell) {
     const std::size_t middle = std::size_t(kSide) * kSide / 2;
     const double degree = atlas.neighbor_begin[middle + 1] - atlas.neighbor_begin[middle];
     const auto pooled = [&](float link) {
-        std::vector<LobeEvidence> evidence(atlas.texels.size(), own);
+        LargeVector<LobeEvidence> evidence(atlas.texels.size(), own);
         const std::vector<float> links(atlas.neighbors.size(), link);
         pool_evidence(atlas, links, evidence);
         return evidence[middle];

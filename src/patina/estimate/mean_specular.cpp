@@ -24,7 +24,7 @@ std::vector<double> mean_over_own_specular(const TexelAtlas& atlas,
     const auto counts = [&](std::size_t i) {
         return fits[i].observed && fits[i].roughness_measured && maps[i].specular > 0;
     };
-    std::vector<Sum> sums(maps.size());
+    LargeVector<Sum> sums(maps.size());
     for (std::size_t i = 0; i < sums.size(); ++i) {
         if (counts(i)) sums[i] = {maps[i].specular, 1.0};
     }

@@ -124,7 +124,7 @@ MemoryNeed memory_need(const MemoryCounts& counts, std::size_t kept_blocks) {
                      (sizeof(Observation) + sizeof(float) + sizeof(Rgbf) + gradient) +
                  double(counts.looks.terms) * sizeof(LampTerm);
     need.images = texels * shots * (sizeof(TexelSample) + gradient) +
-                  kPixelBytes * double(counts.image_pixels);
+                  kPixelBytes * double(kImagesAtOnce * counts.image_pixels);
     need.graph = graph + 2 * texels * (views + 1) * sizeof(std::size_t);
     need.tracing = 2 * largest_rows;
     // Blocks that turn are kept first. One that is not kept is there while it is worked on, and

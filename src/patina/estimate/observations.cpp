@@ -8,6 +8,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <atomic>
+#include <exception>
 #include <map>
 #include <numeric>
 
@@ -141,6 +144,30 @@ double default_variance(const Samples& samples, double share) {
     return values.empty() ? 0 : square(share * quantile(std::move(values), 0.99));
 }
 
+// Calls read(shot) for every shot, kImagesAtOnce at a time. Of several that fail, what the first
+// one threw is passed on, as if they were read in turn.
+template <typename Read>
+void for_each_shot(std::size_t num_shots, const Read& read) {
+    std::array<std::exception_ptr, kImagesAtOnce> failures;
+    std::atomic<std::size_t> first_failed = num_shots;
+    const auto read_every_nth = [&](std::size_t lane) {
+        // Those before the one that failed are still read.
+        for (std::size_t shot = lane; shot < first_failed; shot += kImagesAtOnce) {
+            try {
+                read(shot);
+            } catch (...) {
+                failures[lane] = std::current_exception();
+                std::size_t known = first_failed;
+                while (shot < known && !first_failed.compare_exchange_weak(known, shot)) {
+                }
+                return;
+            }
+        }
+    };
+    parallel_for(kImagesAtOnce, read_every_nth, 1);
+    if (first_failed < num_shots) std::rethrow_exception(failures[first_failed % kImagesAtOnce]);
+}
+
 void add_noise_model(const ObservationOptions& options,
                      double read_variance,
                      Observations& result) {
@@ -223,13 +250,13 @@ Observations collect_observations(const Capture& capture,
     Samples samples(num_shots);
     const bool need_gradients = capture.description.geometry.registration_stddev > 0;
     std::vector<std::vector<SampleGradient>> gradients(need_gradients ? num_shots : 0);
-    for (std::size_t shot = 0; shot < num_shots; ++shot) {
+    for_each_shot(num_shots, [&](std::size_t shot) {
         const RadianceImage image = load_radiance(capture.description, scene.shots[shot]);
         const std::vector<TexelView>& views = scene.views[scene.camera_of_shot[shot]];
         samples[shot] = sample_shot(image, views);
         if (need_gradients) gradients[shot] = sample_gradients(image, views);
         progress.advance(1);
-    }
+    });
     const ObservationBuilder builder(capture, scene, options);
     Observations result;
     result.seen.assign(num_texels, 0);

@@ -97,6 +97,9 @@ struct LookCount {
                                     const SceneView& scene,
                                     const ObservationOptions& options);
 
+// Images that are decoded and sampled side by side: decoding one is the work of one thread.
+inline constexpr std::size_t kImagesAtOnce = 2;
+
 // Reads the used shots' images. Throws Error when no texel is seen at all.
 [[nodiscard]] Observations collect_observations(const Capture& capture,
                                                 const SceneView& scene,

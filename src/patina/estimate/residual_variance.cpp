@@ -87,7 +87,7 @@ ResidualEvidence residual_evidence(const ErrorPropagation& propagation) {
 ResidualVariance residual_variance(const TexelAtlas& atlas,
                                    std::span<const ResidualEvidence> evidence) {
     PATINA_CHECK_EQ(evidence.size(), atlas.texels.size());
-    std::vector<ResidualMoments> moments(evidence.size());
+    LargeVector<ResidualMoments> moments(evidence.size());
     for (std::size_t i = 0; i < moments.size(); ++i) {
         if (evidence[i].moments.freedom > 0) moments[i] = evidence[i].moments;
     }
@@ -97,7 +97,7 @@ ResidualVariance residual_variance(const TexelAtlas& atlas,
     result.own = typical.own_variance();
     result.shared = typical.shared_variance();
     result.variance.resize(evidence.size());
-    std::vector<Influence> influences(evidence.size());
+    LargeVector<Influence> influences(evidence.size());
     parallel_for(evidence.size(), [&](std::size_t i) {
         moments[i] += typical;
         Parameters& supposed = result.variance[i];

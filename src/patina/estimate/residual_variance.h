@@ -6,6 +6,7 @@
 // off its residuals). docs/uncertainty.md, "Residuals".
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/estimate/error_propagation.h"
 #include "patina/scene/atlas.h"
 
@@ -25,7 +26,7 @@ struct ResidualEvidence {
 [[nodiscard]] ResidualEvidence residual_evidence(const ErrorPropagation& propagation);
 
 struct ResidualVariance {
-    std::vector<Parameters> variance;  // of the estimate, per texel
+    LargeVector<Parameters> variance;  // of the estimate, per texel
     // Of the standardised residuals, median over the surface: the variance that the channels of a
     // look do not share, and that they do [-].
     double own = 1;

@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/output_file.h"
+#include "patina/base/parallel.h"
 #include "patina/base/process_memory.h"
 #include "patina/pipeline/text_table.h"
 #include "patina/pipeline/version.h"
@@ -48,7 +49,7 @@ ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
     const Image three(atlas.width, atlas.height, 3);
     const Image one(atlas.width, atlas.height, 1);
     ReflectanceMaps maps{three, one, one, three, one, one, one, three, one};
-    for (std::size_t i = 0; i < num_texels; ++i) {
+    parallel_for(num_texels, [&](std::size_t i) {
         const MapWriter texel(atlas, i);
         texel.store(maps.diffuse, estimate.maps[i].diffuse);
         texel.store(maps.specular, estimate.maps[i].specular);
@@ -61,7 +62,7 @@ ReflectanceMaps make_maps(const TexelAtlas& atlas, const Estimate& estimate) {
         texel.store(maps.measurability,
                     Rgb(expected.diffuse, expected.specular, expected.roughness));
         texel.store(maps.reason, double(estimate.measurability[i].reason));
-    }
+    });
     return maps;
 }
 

@@ -8,9 +8,11 @@
 #include <array>
 #include <bit>
 #include <functional>
+#include <limits>
 #include <map>
 #include <numeric>
-#include <unordered_map>
+#include <span>
+#include <tuple>
 
 namespace patina {
 namespace {
@@ -23,50 +25,50 @@ constexpr int kOwnerSearchRadius = 8;
 
 // --- Vertices that coincide -------------------------------------------------------------------
 
-// Numbers vertices by the bits of their coordinates: equal keys get equal numbers.
-template <std::size_t Size>
-class VertexWelder {
-  public:
-    explicit VertexWelder(std::size_t num_vertices) { numbers_.reserve(num_vertices); }
-
-    std::uint32_t number(const std::array<float, Size>& key) {
-        std::array<std::uint32_t, Size> bits;
-        for (std::size_t i = 0; i < Size; ++i)
-            bits[i] = std::bit_cast<std::uint32_t>(key[i] + 0.0f);
-        return numbers_.try_emplace(bits, static_cast<std::uint32_t>(numbers_.size()))
-            .first->second;
-    }
-
-  private:
-    struct Hash {
-        std::size_t operator()(const std::array<std::uint32_t, Size>& bits) const {
-            std::size_t hash = 0;
-            for (const std::uint32_t word : bits) hash = (hash ^ word) * 0x9E3779B97F4A7C15ull;
-            return hash ^ (hash >> 29);
+// Of every vertex, the first one with the same bits in its coordinates.
+template <std::size_t Size, typename Coordinates>
+std::vector<std::uint32_t> weld(std::size_t num_vertices, const Coordinates& coordinates) {
+    using Bits = std::array<std::uint32_t, Size>;
+    const auto bits_of = [&](std::size_t vertex) {
+        const std::array<float, Size> values = coordinates(vertex);
+        Bits bits;
+        // Minus zero is zero.
+        for (std::size_t i = 0; i < Size; ++i) {
+            bits[i] = std::bit_cast<std::uint32_t>(values[i] + 0.0f);
         }
+        return bits;
     };
-    std::unordered_map<std::array<std::uint32_t, Size>, std::uint32_t, Hash> numbers_;
-};
+    // Open addressing: a slot holds a vertex, or the next one is looked at.
+    constexpr auto kFree = std::numeric_limits<std::uint32_t>::max();
+    std::vector<std::uint32_t> slots(std::bit_ceil(2 * num_vertices + 1), kFree);
+    std::vector<std::uint32_t> first(num_vertices);
+    for (std::size_t i = 0; i < num_vertices; ++i) {
+        const Bits bits = bits_of(i);
+        std::size_t hash = 0;
+        for (const std::uint32_t word : bits) hash = (hash ^ word) * 0x9E3779B97F4A7C15ull;
+        std::size_t slot = (hash ^ (hash >> 29)) & (slots.size() - 1);
+        while (slots[slot] != kFree && bits_of(slots[slot]) != bits) {
+            slot = (slot + 1) & (slots.size() - 1);
+        }
+        if (slots[slot] == kFree) slots[slot] = std::uint32_t(i);
+        first[i] = slots[slot];
+    }
+    return first;
+}
 
 std::vector<std::uint32_t> weld_by_position(const Mesh& mesh) {
-    VertexWelder<3> welder(mesh.positions.size());
-    std::vector<std::uint32_t> ids(mesh.positions.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) {
+    return weld<3>(mesh.positions.size(), [&mesh](std::size_t i) {
         const Vec3f& p = mesh.positions[i];
-        ids[i] = welder.number({p.x(), p.y(), p.z()});
-    }
-    return ids;
+        return std::array<float, 3>{p.x(), p.y(), p.z()};
+    });
 }
 
 std::vector<std::uint32_t> weld_by_position_and_uv(const Mesh& mesh) {
-    VertexWelder<5> welder(mesh.positions.size());
-    std::vector<std::uint32_t> ids(mesh.positions.size());
-    for (std::size_t i = 0; i < ids.size(); ++i) {
+    return weld<5>(mesh.positions.size(), [&mesh](std::size_t i) {
         const Vec3f& p = mesh.positions[i];
         const Vec2f& uv = mesh.uvs[i];
-        ids[i] = welder.number({p.x(), p.y(), p.z(), uv.x(), uv.y()});
-    }
-    return ids;
+        return std::array<float, 5>{p.x(), p.y(), p.z(), uv.x(), uv.y()};
+    });
 }
 
 // --- Charts -----------------------------------------------------------------------------------
@@ -167,30 +169,67 @@ struct Seam {
     bool reversed;  // whether there it runs the other way
 };
 
+// All uses of edges by the welded numbers of their ends, those of one edge side by side in the
+// order of the triangles.
+class EdgeUses {
+  public:
+    EdgeUses(const Mesh& mesh, const std::vector<std::uint32_t>& welded)
+        : mesh_(mesh), welded_(welded), begin_(mesh.positions.size() + 1, 0) {
+        const auto for_each_use = [&](const auto& work) {
+            for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
+                for (int corner = 0; corner < 3; ++corner) work(EdgeUse{i, corner});
+            }
+        };
+        for_each_use([&](const EdgeUse& use) { ++begin_[welded_ends(use).first + 1]; });
+        std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+        uses_.resize(3 * mesh.triangles.size());
+        std::vector<std::uint32_t> next(begin_.begin(), begin_.end() - 1);
+        for_each_use([&](const EdgeUse& use) { uses_[next[welded_ends(use).first]++] = use; });
+        parallel_for(mesh.positions.size(), [&](std::size_t low) {
+            std::sort(uses_.begin() + begin_[low],
+                      uses_.begin() + begin_[low + 1],
+                      [&](const EdgeUse& a, const EdgeUse& b) {
+                          return std::tuple(welded_ends(a).second, a.triangle, a.corner) <
+                                 std::tuple(welded_ends(b).second, b.triangle, b.corner);
+                      });
+        });
+    }
+
+    [[nodiscard]] std::span<const EdgeUse> all() const { return uses_; }
+    [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> ends(const EdgeUse& use) const {
+        const Triangle& triangle = mesh_.triangles[use.triangle];
+        return {triangle[std::size_t(use.corner)], triangle[std::size_t((use.corner + 1) % 3)]};
+    }
+    // The lower first.
+    [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> welded_ends(const EdgeUse& use) const {
+        const auto [a, b] = ends(use);
+        return std::minmax({welded_[a], welded_[b]});
+    }
+
+  private:
+    const Mesh& mesh_;
+    const std::vector<std::uint32_t>& welded_;
+    std::vector<std::uint32_t> begin_;  // by the lower end
+    std::vector<EdgeUse> uses_;
+};
+
+// Where more than two triangles share an edge, each with the first of them.
 std::vector<Seam> find_seams(const Mesh& mesh) {
     const std::vector<std::uint32_t> welded = weld_by_position(mesh);
-    const auto ends_of = [&mesh](const EdgeUse& use) {
-        const Triangle& triangle = mesh.triangles[use.triangle];
-        return std::pair(triangle[std::size_t(use.corner)],
-                         triangle[std::size_t((use.corner + 1) % 3)]);
-    };
+    const EdgeUses uses(mesh, welded);
     std::vector<Seam> seams;
-    std::unordered_map<std::uint64_t, EdgeUse> open_edges;  // by both its ends
-    open_edges.reserve(2 * mesh.triangles.size());
-    for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
-        for (int corner = 0; corner < 3; ++corner) {
-            const EdgeUse use = {i, corner};
-            const auto [a, b] = ends_of(use);
-            const auto [low, high] = std::minmax(welded[a], welded[b]);
-            const std::uint64_t key = std::uint64_t(low) << 32 | high;
-            const auto [found, is_new] = open_edges.try_emplace(key, use);
-            if (is_new) continue;
-            const auto [other_a, other_b] = ends_of(found->second);
-            const bool reversed = welded[other_a] != welded[a];
-            if (mesh.uvs[reversed ? other_b : other_a] != mesh.uvs[a] ||
-                mesh.uvs[reversed ? other_a : other_b] != mesh.uvs[b]) {
-                seams.push_back({use, found->second, reversed});
-            }
+    EdgeUse first{};
+    for (const EdgeUse& use : uses.all()) {
+        if (&use == uses.all().data() || uses.welded_ends(use) != uses.welded_ends(first)) {
+            first = use;
+            continue;
+        }
+        const auto [a, b] = uses.ends(use);
+        const auto [first_a, first_b] = uses.ends(first);
+        const bool reversed = welded[first_a] != welded[a];
+        if (mesh.uvs[reversed ? first_b : first_a] != mesh.uvs[a] ||
+            mesh.uvs[reversed ? first_a : first_b] != mesh.uvs[b]) {
+            seams.push_back({use, first, reversed});
         }
     }
     return seams;

@@ -1,6 +1,7 @@
 #include "patina/scene/range_image.h"
 
 #include "patina/base/check.h"
+#include "patina/base/parallel.h"
 #include "patina/math/statistics.h"
 
 #include <algorithm>
@@ -37,6 +38,25 @@ Vec3 point_at(const RangeFrame& frame, const Image& range, int i, int j) {
     return ray.origin + ray.direction * (value / ray.direction.dot(forward));
 }
 
+template <typename Body>
+void for_each_row(int num_rows, const Body& body) {
+    parallel_for(
+        std::size_t(std::max(num_rows, 0)), [&body](std::size_t j) { body(int(j)); }, 1);
+}
+
+// What collect(j, list) puts on the list of every row, one row behind the other.
+template <typename Value, typename Collect>
+std::vector<Value> by_rows(int num_rows, const Collect& collect) {
+    std::vector<std::vector<Value>> rows(std::size_t(std::max(num_rows, 0)));
+    for_each_row(num_rows, [&](int j) { collect(j, rows[std::size_t(j)]); });
+    std::size_t total = 0;
+    for (const std::vector<Value>& row : rows) total += row.size();
+    std::vector<Value> all;
+    all.reserve(total);
+    for (const std::vector<Value>& row : rows) all.insert(all.end(), row.begin(), row.end());
+    return all;
+}
+
 // The measured points on their grid; columns beyond the last one continue at the first in a full
 // turn.
 class Grid {
@@ -47,13 +67,13 @@ class Grid {
           wraps_(frame.wraps_around() && range.width >= kMinColumnsOfTurn),
           points_(range.data.size(), Vec3::Zero()),
           measured_(range.data.size(), 0) {
-        for (int j = 0; j < height_; ++j) {
+        for_each_row(height_, [&](int j) {
             for (int i = 0; i < width_; ++i) {
                 if (!is_measured(frame, range.at(i, j))) continue;
                 measured_[range.index(i, j)] = 1;
                 points_[range.index(i, j)] = point_at(frame, range, i, j);
             }
-        }
+        });
         max_step_ = frame.max_step ? *frame.max_step : kMaxStepOfMedian * median_step();
     }
 
@@ -81,15 +101,14 @@ class Grid {
 
   private:
     [[nodiscard]] double median_step() const {
-        std::vector<double> steps;
-        for (int j = 0; j < height_; ++j) {
+        std::vector<double> steps = by_rows<double>(height_, [&](int j, auto& row) {
             for (int i = 0; i < width_; ++i) {
                 const auto here = find(i, j);
                 if (!here) continue;
-                if (const auto right = find(i + 1, j)) steps.push_back(distance(*here, *right));
-                if (const auto below = find(i, j + 1)) steps.push_back(distance(*here, *below));
+                if (const auto right = find(i + 1, j)) row.push_back(distance(*here, *right));
+                if (const auto below = find(i, j + 1)) row.push_back(distance(*here, *below));
             }
-        }
+        });
         return steps.empty() ? 0 : median(std::move(steps));
     }
 
@@ -116,12 +135,13 @@ void add_if_joined(const Grid& grid,
 void add_quad(const Grid& grid, int i, int j, std::vector<PixelTriangle>& triangles) {
     const std::array<std::optional<std::size_t>, 4> corners = {
         grid.find(i, j), grid.find(i, j + 1), grid.find(i + 1, j + 1), grid.find(i + 1, j)};
-    std::vector<std::size_t> ring;
+    std::array<std::size_t, 4> ring{};
+    std::size_t num_found = 0;
     for (const auto& corner : corners) {
-        if (corner) ring.push_back(*corner);
+        if (corner) ring[num_found++] = *corner;
     }
-    if (ring.size() == 3) add_if_joined(grid, {ring[0], ring[1], ring[2]}, triangles);
-    if (ring.size() < 4) return;
+    if (num_found == 3) add_if_joined(grid, {ring[0], ring[1], ring[2]}, triangles);
+    if (num_found < 4) return;
     // Cut along the shorter diagonal.
     if (grid.distance(ring[0], ring[2]) > grid.distance(ring[1], ring[3])) {
         std::rotate(ring.begin(), ring.begin() + 1, ring.end());
@@ -131,11 +151,9 @@ void add_quad(const Grid& grid, int i, int j, std::vector<PixelTriangle>& triang
 }
 
 std::vector<PixelTriangle> triangulate(const Grid& grid) {
-    std::vector<PixelTriangle> triangles;
-    for (int j = 0; j + 1 < grid.height(); ++j) {
+    return by_rows<PixelTriangle>(grid.height() - 1, [&](int j, auto& triangles) {
         for (int i = 0; i < grid.num_quad_columns(); ++i) add_quad(grid, i, j, triangles);
-    }
-    return triangles;
+    });
 }
 
 // Sum over the quadrants about a pixel of the cross product of their two edges, each edge to a
@@ -161,23 +179,27 @@ Vec3 quadrant_normal(const Grid& grid, int i, int j, std::size_t here) {
 // One per pixel; zero for pixels without triangles.
 std::vector<Vec3> pixel_normals(const Grid& grid, const std::vector<PixelTriangle>& triangles) {
     std::vector<Vec3> by_triangles(grid.size(), Vec3::Zero());
+    std::vector<char> is_corner(grid.size(), 0);
     for (const PixelTriangle& t : triangles) {
         const Vec3 area_normal =
             (grid.point(t[1]) - grid.point(t[0])).cross(grid.point(t[2]) - grid.point(t[0]));
-        for (const std::size_t corner : t) by_triangles[corner] += area_normal;
-    }
-    std::vector<Vec3> normals(grid.size(), Vec3::Zero());
-    for (const PixelTriangle& t : triangles) {
         for (const std::size_t corner : t) {
-            if (!normals[corner].isZero(0)) continue;
-            const int i = static_cast<int>(corner % std::size_t(grid.width()));
-            const int j = static_cast<int>(corner / std::size_t(grid.width()));
-            const Vec3 by_quadrants = quadrant_normal(grid, i, j, corner);
-            // The corner of a lone triangle may have a neighbour on one axis only.
-            normals[corner] =
-                (by_quadrants.isZero(0) ? by_triangles[corner] : by_quadrants).normalized();
+            by_triangles[corner] += area_normal;
+            is_corner[corner] = 1;
         }
     }
+    // Only corners of triangles are vertices.
+    std::vector<Vec3> normals(grid.size(), Vec3::Zero());
+    for_each_row(grid.height(), [&](int j) {
+        for (int i = 0; i < grid.width(); ++i) {
+            const std::size_t here = std::size_t(j) * std::size_t(grid.width()) + std::size_t(i);
+            if (is_corner[here] == 0) continue;
+            const Vec3 by_quadrants = quadrant_normal(grid, i, j, here);
+            // The corner of a lone triangle may have a neighbour on one axis only.
+            normals[here] =
+                (by_quadrants.isZero(0) ? by_triangles[here] : by_quadrants).normalized();
+        }
+    });
     return normals;
 }
 
@@ -186,6 +208,14 @@ class MeshBuilder {
   public:
     MeshBuilder(const Grid& grid, std::vector<Vec3> normals)
         : grid_(grid), normals_(std::move(normals)), vertex_of_(grid.size(), kNoVertex) {}
+
+    // For so many triangles, but for what the seam adds.
+    void reserve(std::size_t num_triangles) {
+        mesh_.triangles.reserve(num_triangles);
+        mesh_.positions.reserve(grid_.size());
+        mesh_.normals.reserve(grid_.size());
+        mesh_.uvs.reserve(grid_.size());
+    }
 
     void add(const PixelTriangle& t) {
         if (crosses_seam(t)) {
@@ -281,6 +311,7 @@ Mesh mesh_from_range(const RangeFrame& frame, const Image& range) {
     const Grid grid(frame, range);
     const std::vector<PixelTriangle> triangles = triangulate(grid);
     MeshBuilder builder(grid, pixel_normals(grid, triangles));
+    builder.reserve(triangles.size());
     for (const PixelTriangle& t : triangles) builder.add(t);
     // Azimuth or height running backwards shows the surface as in a mirror.
     const bool mirrored =

@@ -266,33 +266,47 @@ void write_gather_graph(const fs::path& path,
     GraphWriter(path).write(fingerprint, graph);
 }
 
-GatherGraph read_or_trace_gather_graph(const fs::path& path,
-                                       const Surface& surface,
-                                       const TexelAtlas& atlas,
-                                       std::span<const ViewDirections> views,
-                                       const GatherOptions& options,
-                                       Progress& progress) {
-    const Hash128 fingerprint = gather_graph_fingerprint(*surface.mesh, atlas, views, options);
-    if (fs::exists(path)) {
+KeptGatherGraph::KeptGatherGraph(fs::path path,
+                                 const Surface& surface,
+                                 const TexelAtlas& atlas,
+                                 std::span<const ViewDirections> views,
+                                 const GatherOptions& options,
+                                 Progress& progress)
+    : path_(std::move(path)) {
+    std::optional<Hash128> fingerprint;
+    if (!path_.empty() && fs::exists(path_)) {
         progress.begin_stage("gather graph");
-        if (std::optional<GatherGraph> graph = read_gather_graph(path, fingerprint)) {
-            progress.end_stage("read from " + path.string());
-            return std::move(*graph);
+        fingerprint = gather_graph_fingerprint(*surface.mesh, atlas, views, options);
+        if (std::optional<GatherGraph> graph = read_gather_graph(path_, *fingerprint)) {
+            progress.end_stage("read from " + path_.string());
+            graph_ = std::move(*graph);
+            return;
         }
-        progress.end_stage("another in " + path.string());
+        progress.end_stage("another in " + path_.string());
     }
-    GatherGraph graph = trace_gather_graph(surface, atlas, views, options, progress);
+    graph_ = trace_gather_graph(surface, atlas, views, options, progress);
+    if (path_.empty()) return;
+    writing_.emplace([this, fingerprint, mesh = surface.mesh, &atlas, views, options] {
+        write_gather_graph(
+            path_,
+            fingerprint ? *fingerprint : gather_graph_fingerprint(*mesh, atlas, views, options),
+            graph_);
+    });
+}
+
+void KeptGatherGraph::finish(Progress& progress) {
+    if (!writing_) return;
     progress.begin_stage("gather graph");
     try {
-        write_gather_graph(path, fingerprint, graph);
+        writing_->wait();
         progress.end_stage(fmt::format(
-            "written to {}, {:.1f} MiB", path.string(), double(fs::file_size(path)) / (1 << 20)));
+            "written to {}, {:.1f} MiB", path_.string(), double(fs::file_size(path_)) / (1 << 20)));
     } catch (const WorkFailed& failure) {
         progress.end_stage();
         progress.note(
             fmt::format("warning: {}; the next estimate traces it again", failure.what()));
     }
-    return graph;
+    writing_.reset();
 }
 
 }  // namespace patina

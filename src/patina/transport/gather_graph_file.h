@@ -6,6 +6,8 @@
 #pragma once
 
 #include "patina/base/hash.h"
+#include "patina/base/parallel.h"
+#include "patina/base/progress.h"
 #include "patina/transport/gather_graph.h"
 
 #include <filesystem>
@@ -33,13 +35,29 @@ void write_gather_graph(const std::filesystem::path& path,
                         const Hash128& fingerprint,
                         const GatherGraph& graph);
 
-// trace_gather_graph(), unless the file holds its result already; otherwise the file holds it
-// afterwards. A disk that refuses is only warned about. The same graph in either case.
-[[nodiscard]] GatherGraph read_or_trace_gather_graph(const std::filesystem::path& path,
-                                                     const Surface& surface,
-                                                     const TexelAtlas& atlas,
-                                                     std::span<const ViewDirections> views,
-                                                     const GatherOptions& options,
-                                                     Progress& progress);
+// trace_gather_graph(), unless the file holds its result already; otherwise the file holds it in
+// the end. The same graph in either case.
+class KeptGatherGraph {
+  public:
+    // Reads or traces, and begins to write what was traced beside the caller's work: all that is
+    // given here must stay until finish(). path: empty for a graph that no file keeps. Throws Error
+    // where the file holds something else than a graph.
+    KeptGatherGraph(std::filesystem::path path,
+                    const Surface& surface,
+                    const TexelAtlas& atlas,
+                    std::span<const ViewDirections> views,
+                    const GatherOptions& options,
+                    Progress& progress);
+
+    [[nodiscard]] const GatherGraph& graph() const { return graph_; }
+
+    // Waits until the file is written. A disk that refuses is only warned about.
+    void finish(Progress& progress);
+
+  private:
+    std::filesystem::path path_;
+    GatherGraph graph_;
+    std::optional<BesideWork> writing_;  // the last member: it reads the others
+};
 
 }  // namespace patina

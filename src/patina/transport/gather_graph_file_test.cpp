@@ -51,8 +51,10 @@ class GatherGraphFile : public testing::Test {
     }
     [[nodiscard]] GatherGraph read_or_traced() const {
         Progress progress;
-        return read_or_trace_gather_graph(
-            file(), channel_.scene.surface(), channel_.atlas, views_, options_, progress);
+        const Surface surface = channel_.scene.surface();
+        KeptGatherGraph kept(file(), surface, channel_.atlas, views_, options_, progress);
+        kept.finish(progress);
+        return kept.graph();
     }
     [[nodiscard]] std::filesystem::path file() const { return folder_ / "graph"; }
 
@@ -109,6 +111,35 @@ TEST_F(GatherGraphFile, HasAFingerprintOfAllThatTheGraphDependsOn) {
     expect_change("lobe rays", options_.lobe_rays, 16);
     expect_change("spread", options_.lobe_spread, 0.3);
     expect_change("seed", options_.seed, 2U);
+}
+
+TEST_F(GatherGraphFile, IsWrittenWhateverBecomesOfTheRest) {
+    Progress progress;
+    const Surface surface = channel_.scene.surface();
+    try {
+        const KeptGatherGraph kept(file(), surface, channel_.atlas, views_, options_, progress);
+        throw Error("", "", "something else went wrong", "");
+    } catch (const Error&) {
+        EXPECT_TRUE(read_gather_graph(file(), fingerprint()).has_value());
+    }
+}
+
+TEST_F(GatherGraphFile, IsKeptNowhereWithoutAName) {
+    Progress progress;
+    const Surface surface = channel_.scene.surface();
+    KeptGatherGraph kept({}, surface, channel_.atlas, views_, options_, progress);
+    kept.finish(progress);
+    EXPECT_TRUE(same_graph(kept.graph(), traced()));
+    EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(GatherGraphFile, IsOnlyWarnedAboutWhereTheDiskRefuses) {
+    Progress progress;
+    const Surface surface = channel_.scene.surface();
+    KeptGatherGraph kept(
+        folder_ / "none" / "graph", surface, channel_.atlas, views_, options_, progress);
+    EXPECT_NO_THROW(kept.finish(progress));
+    EXPECT_TRUE(same_graph(kept.graph(), traced()));
 }
 
 TEST_F(GatherGraphFile, IsReplacedWhereItDoesNotFit) {

@@ -42,8 +42,8 @@ struct alignas(64) KernelPoint {
     double arrivals = 0;
 };
 
-std::vector<KernelPoint> kernel_points(const TexelAtlas& atlas, std::span<const double> arrivals) {
-    std::vector<KernelPoint> points(atlas.texels.size());
+LargeVector<KernelPoint> kernel_points(const TexelAtlas& atlas, std::span<const double> arrivals) {
+    LargeVector<KernelPoint> points(atlas.texels.size());
     parallel_for(points.size(), [&](std::size_t i) {
         const Texel& texel = atlas.texels[i];
         points[i] = {texel.point.position, texel.point.normal, texel.area, arrivals[i]};
@@ -130,7 +130,7 @@ RatioKernel build_ratio_kernel(const TexelAtlas& atlas,
     PATINA_CHECK_EQ(arrivals.size(), atlas.texels.size());
     const std::size_t num_texels = atlas.texels.size();
     const std::size_t num_blocks = (num_texels + kTexelsPerBlock - 1) / kTexelsPerBlock;
-    const std::vector<KernelPoint> points = kernel_points(atlas, arrivals);
+    const LargeVector<KernelPoint> points = kernel_points(atlas, arrivals);
     std::vector<std::vector<KernelEntry>> blocks(num_blocks);
     RatioKernel kernel;
     kernel.begin.assign(num_texels + 1, 0);

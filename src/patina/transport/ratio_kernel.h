@@ -6,6 +6,7 @@
 // Photons are located to their texel. docs/theory.md derives it and compares it with the disc.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/transport/photon_paths.h"
 
 #include <array>
@@ -24,8 +25,8 @@ struct RatioKernelOptions {
 // Weights kappa / sum(kappa A) [1/length^2] of the texels about each texel, compressed rows.
 struct RatioKernel {
     std::vector<std::size_t> begin;  // texels + 1 offsets
-    std::vector<TexelId> texel;
-    std::vector<float> weight;
+    LargeVector<TexelId> texel;
+    LargeVector<float> weight;
 };
 
 // arrivals: photons that arrived in each texel, averaged over the lamp sets; decides the radii.

@@ -3,6 +3,7 @@
 // Based on: Fan. Local Linear Regression Smoothers and Their Minimax Efficiencies. 1993.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/scene/atlas.h"
 
 #include <cstddef>
@@ -13,8 +14,8 @@ namespace patina {
 // Compressed rows: value(x) <- sum weight value(texel) over [begin[x], begin[x + 1]).
 struct SurfaceFilter {
     std::vector<std::size_t> begin;
-    std::vector<TexelId> texel;
-    std::vector<float> weight;
+    LargeVector<TexelId> texel;
+    LargeVector<float> weight;
 };
 
 // Local linear regression over the texels within `radius` texel sizes about each one (> 0; with the
