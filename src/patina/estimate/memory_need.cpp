@@ -15,9 +15,10 @@
 namespace patina {
 namespace {
 
-// Maps, errors, fits, fillings with their solver, and the error budgets of the end: about forty
-// vectors of five doubles for each texel.
-constexpr double kTexelBytes = 1600;
+// Maps, fits, fillings with their solver and what neighbours say: about 25 vectors of five doubles
+// for each texel. The error budgets of the end take no more than these and a sweep, which has its
+// memory given up by then.
+constexpr double kTexelBytes = 1000;
 // Neighbours of the atlas that a filter reaches for each square of its radius.
 constexpr double kFilterTexels = 4;
 // Radiance, its variance, and what the file holds before it is decoded.
