@@ -9,6 +9,7 @@
 
 #include "support/program.h"
 #include "support/tiny_capture.h"
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <sstream>
@@ -72,6 +73,29 @@ TEST_F(ContractCommands, EstimateLeavesAWholeResult) {
                 IsSupersetOf({"by_status", "by_reason", "seen", "seen_measured_share", "clamped"}));
     for (const Json& turn : json.find("iterations")->items) {
         EXPECT_THAT(turn.names, IsSupersetOf({"error", "change", "lambda", "damping"}));
+    }
+}
+
+// Images are read side by side; which of them is complained of must not depend on which was read
+// sooner.
+TEST_F(ContractCommands, OfSeveralDamagedImagesTheFirstIsNamed) {
+    const std::filesystem::path images = folder_ / "capture" / "images";
+    std::vector<std::filesystem::path> files;
+    for (const auto& entry : std::filesystem::directory_iterator(images)) {
+        if (entry.path().extension() == ".exr") files.push_back(entry.path());
+    }
+    std::sort(files.begin(), files.end());
+    ASSERT_GE(files.size(), 3U);
+    for (std::size_t i = 1; i < files.size(); ++i) {
+        const std::string whole = read_file(files[i]);
+        write_file(files[i], whole.substr(0, whole.size() - 40));
+    }
+    for (int round = 0; round < 5; ++round) {
+        const ProgramRun run = run_program(
+            "estimate " + capture_ + " -o " + result_ + " --method direct --quiet", folder_.path());
+        EXPECT_EQ(run.status, 2);
+        EXPECT_THAT(run.errors, HasSubstr(files[1].filename().string()));
+        EXPECT_EQ(std::count(run.errors.begin(), run.errors.end(), '\n'), 1) << run.errors;
     }
 }
 

@@ -5,6 +5,7 @@
 #include "support/scenes.h"
 #include <algorithm>
 #include <set>
+#include <utility>
 
 namespace patina {
 namespace {
@@ -83,6 +84,21 @@ TEST(Atlas, SeamsJoinChartsThatMeetInSpace) {
     EXPECT_EQ(charts.size(), 2u);
     // The 20 texels on the long side each have at least one neighbour across, and the reverse.
     EXPECT_GE(num_across, 40);
+}
+
+TEST(Atlas, OfManyChartsAtOneEdgeEachMeetsTheFirst) {
+    Mesh mesh = corner_of_two_charts();
+    append(mesh, rectangle(Vec3::Zero(), -Vec3::UnitX(), Vec3::UnitY(), {{0.5, 0.6}, {1, 1}}));
+    const TexelAtlas atlas = build_atlas(mesh, 20, 20);
+    std::set<std::pair<std::uint32_t, std::uint32_t>> meetings;
+    for (TexelId id = 0; id < atlas.texels.size(); ++id) {
+        for (std::uint32_t k = atlas.neighbor_begin[id]; k < atlas.neighbor_begin[id + 1]; ++k) {
+            meetings.emplace(atlas.texels[id].chart, atlas.texels[atlas.neighbors[k]].chart);
+        }
+    }
+    const std::set<std::pair<std::uint32_t, std::uint32_t>> expected = {
+        {0, 0}, {1, 1}, {2, 2}, {0, 1}, {1, 0}, {0, 2}, {2, 0}};
+    EXPECT_EQ(meetings, expected);
 }
 
 TEST(Atlas, NeighborsAreMutualAndDistinct) {
