@@ -9,17 +9,9 @@ find_package(nlohmann_json 3 REQUIRED)
 find_package(CLI11 2 REQUIRED)
 find_package(fmt REQUIRED)
 find_package(nanoflann REQUIRED)
-
-# The config file of Debian 12's libopenimageio-dev refuses to load without OpenCV's headers and the
-# programs of another package; neither is needed. So the library is looked up by hand.
-find_path(OPENIMAGEIO_INCLUDE_DIR OpenImageIO/imageio.h REQUIRED)
-find_library(OPENIMAGEIO_LIBRARY OpenImageIO REQUIRED)
-find_library(OPENIMAGEIO_UTIL_LIBRARY OpenImageIO_Util REQUIRED)
-add_library(OpenImageIO::OpenImageIO INTERFACE IMPORTED)
-set_target_properties(
-    OpenImageIO::OpenImageIO
-    PROPERTIES INTERFACE_INCLUDE_DIRECTORIES "${OPENIMAGEIO_INCLUDE_DIR}"
-               INTERFACE_LINK_LIBRARIES "${OPENIMAGEIO_LIBRARY};${OPENIMAGEIO_UTIL_LIBRARY}")
+find_package(OpenEXR 3 REQUIRED CONFIG)
+find_package(PNG REQUIRED)
+find_package(TIFF 4.5 REQUIRED)
 
 find_path(TINYOBJLOADER_INCLUDE_DIR tiny_obj_loader.h REQUIRED)
 find_path(TINYGLTF_INCLUDE_DIR tiny_gltf.h REQUIRED)

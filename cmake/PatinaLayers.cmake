@@ -60,7 +60,7 @@ function(patina_add_test name)
     # Helpers of many tests: "support/<file>.h".
     target_include_directories(${name} PRIVATE "${CMAKE_SOURCE_DIR}/tests")
     target_compile_definitions(${name} PRIVATE "PATINA_SOURCE_DIR=\"${CMAKE_SOURCE_DIR}\"")
-    # One process for all of a program's tests: loading the image libraries takes longer than most tests.
+    # One process for all of a program's tests: starting one for each takes longer than most tests.
     add_test(NAME ${name} COMMAND ${name})
     set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 900)
 endfunction()

@@ -3,7 +3,9 @@ include("${CMAKE_CURRENT_LIST_DIR}/lint.cmake")
 
 set(libraries
     "embree3/"
-    "OpenImageIO/"
+    "(OpenEXR/)?Imf"
+    "png\\.h"
+    "tiffio\\.h"
     "(oneapi/)?tbb/"
     "tiny_obj_loader\\.h"
     "tiny_gltf\\.h"

@@ -1,6 +1,6 @@
 // A float image, and the reading and writing of image files.
 //
-// OpenImageIO is the only reader and writer but for PFM, and stays inside image_io.cpp.
+// Each kind of file has a reader of its own, exr_file.h and so on; image_io.cpp chooses among them.
 #pragma once
 
 #include <cstddef>
