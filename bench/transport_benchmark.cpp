@@ -35,7 +35,7 @@ const LitObject& object(std::int64_t kind) {
 // In lanes of single precision, as all of them are sent.
 struct Rays {
     explicit Rays(const ScannedObject& object) {
-        const std::vector<Texel>& texels = object.capture.atlas.texels;
+        const std::span<const Texel> texels = object.capture.atlas.texels;
         for (std::size_t i = 0; i < kNumRays; ++i) {
             const SurfacePoint& point = texels[i % texels.size()].point;
             SobolSampler numbers(1, Pass::tests, i, 0);

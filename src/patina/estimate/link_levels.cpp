@@ -1,5 +1,6 @@
 #include "patina/estimate/link_levels.h"
 
+#include "patina/base/large_vector.h"
 #include "patina/base/parallel.h"
 
 #include <algorithm>
@@ -59,7 +60,7 @@ LinkLevels::LinkLevels(const TexelAtlas& atlas,
     // Links whose two texels share a cell first on each level, per texel.
     std::vector<std::uint8_t> is_unknown(atlas.texels.size(), 0);
     for (const TexelId texel : equation.unknown) is_unknown[texel] = 1;
-    std::vector<std::array<double, kNumLevels + 1>> inner(equation.unknown.size());
+    LargeVector<std::array<double, kNumLevels + 1>> inner(equation.unknown.size());
     parallel_for(equation.unknown.size(), [&](std::size_t row) {
         const TexelId texel = equation.unknown[row];
         inner[row].fill(0);

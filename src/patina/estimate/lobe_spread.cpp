@@ -5,6 +5,7 @@
 
 #include <array>
 #include <optional>
+#include <span>
 
 namespace patina {
 namespace {
@@ -59,7 +60,7 @@ class Footprints {
 
   private:
     [[nodiscard]] bool same_face(TexelId a, std::size_t b) const {
-        const std::vector<Texel>& texels = capture_.atlas.texels;
+        const std::span<const Texel> texels = capture_.atlas.texels;
         return texels[a].point.normal.dot(texels[b].point.normal) > kSameFace;
     }
     // While the scanner stands as for `azimuth`.

@@ -5,6 +5,7 @@
 #include "patina/math/types.h"
 
 #include <cmath>
+#include <span>
 
 namespace patina {
 namespace {
@@ -109,7 +110,7 @@ std::optional<BoundComparison> compare_with_bound(const Capture& capture,
                                                   const TruthMaps& truth,
                                                   const FitNoise& noise,
                                                   Progress& progress) {
-    const std::vector<Texel>& texels = capture.atlas.texels;
+    const std::span<const Texel> texels = capture.atlas.texels;
     std::vector<Reflectance> reflectance(texels.size());
     for (std::size_t i = 0; i < texels.size(); ++i) {
         const int x = texels[i].column;

@@ -5,6 +5,7 @@
 #include "patina/reflectance/lobe.h"
 
 #include <algorithm>
+#include <span>
 #include <string>
 #include <utility>
 
@@ -38,7 +39,7 @@ std::vector<std::uint8_t> lamp_shows(const RigView& rig,
                                      const Light& light,
                                      const LargeVector<DirectLight>& direct,
                                      const CoverOptions& options) {
-    const std::vector<Texel>& texels = rig.capture().atlas.texels;
+    const std::span<const Texel> texels = rig.capture().atlas.texels;
     const std::vector<Camera>& cameras = rig.capture().description.cameras;
     const LookLimits limits = options.limits();
     std::vector<std::uint8_t> shows(texels.size(), 0);

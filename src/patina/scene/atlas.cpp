@@ -210,7 +210,7 @@ class EdgeUses {
     const Mesh& mesh_;
     const std::vector<std::uint32_t>& welded_;
     std::vector<std::uint32_t> begin_;  // by the lower end
-    std::vector<EdgeUse> uses_;
+    LargeVector<EdgeUse> uses_;
 };
 
 // Where more than two triangles share an edge, each with the first of them.
@@ -303,7 +303,7 @@ void store_neighbors(TexelAtlas& atlas, const TexelPairs& over_seams) {
 }
 
 void collect_texels(const Mesh& mesh,
-                    const std::vector<Cell>& cells,
+                    std::span<const Cell> cells,
                     const std::vector<std::uint32_t>& charts,
                     TexelAtlas& atlas) {
     TexelId num_texels = 0;
@@ -354,7 +354,7 @@ TexelAtlas build_atlas(const Mesh& mesh, int width, int height) {
     atlas.cell_owner.assign(num_cells, kNoTexel);
     atlas.cell_texel.assign(num_cells, kNoTexel);
 
-    std::vector<Cell> cells;
+    LargeVector<Cell> cells;
     std::vector<std::uint32_t> charts;
     std::vector<Seam> seams;
     const std::array<std::function<void()>, 3> tasks = {

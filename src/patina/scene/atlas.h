@@ -1,6 +1,7 @@
 // The texel atlas: which piece of surface each texel stands for.
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/scene/mesh.h"
 
 #include <cstdint>
@@ -29,7 +30,7 @@ struct TexelAtlas {
     int width = 0;
     int height = 0;
     bool wraps_around = false;  // column 0 follows the last one (cylindrical scans)
-    std::vector<Texel> texels;
+    LargeVector<Texel> texels;
     std::vector<TexelId> cell_owner;  // width x height; kNoTexel where there is no surface
     std::vector<TexelId>
         cell_texel;  // width x height; kNoTexel unless the centre is on the surface

@@ -76,7 +76,7 @@ void rasterize_triangle(const Mesh& mesh,
                         CellRange rows,
                         int width,
                         int height,
-                        std::vector<Cell>& cells) {
+                        LargeVector<Cell>& cells) {
     const CellTriangle t = cell_triangle(mesh, triangle, width, height);
     const double doubled = doubled_signed_area(t);
     const double surface_per_cell = 2 * triangle_area(mesh, triangle) / std::abs(doubled);
@@ -115,12 +115,12 @@ CellTriangle cell_triangle(const Mesh& mesh, std::uint32_t triangle, int width, 
 }
 
 // Bands of rows are filled side by side; every cell meets its triangles in order.
-std::vector<Cell> rasterize_cells(const Mesh& mesh, int width, int height) {
+LargeVector<Cell> rasterize_cells(const Mesh& mesh, int width, int height) {
     constexpr int kBandRows = 32;
     std::vector<CellRange> rows(mesh.triangles.size());
     parallel_for(rows.size(),
                  [&](std::size_t i) { rows[i] = rows_of(mesh, std::uint32_t(i), width, height); });
-    std::vector<Cell> cells(std::size_t(width) * std::size_t(height));
+    LargeVector<Cell> cells(std::size_t(width) * std::size_t(height));
     const auto fill_band = [&](std::size_t band) {
         const int first = int(band) * kBandRows;
         const int last = std::min(first + kBandRows, height) - 1;

@@ -2,6 +2,7 @@
 // (atlas.h).
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/scene/mesh.h"
 
 #include <array>
@@ -29,6 +30,6 @@ struct Cell {
 };
 
 // Row by row from the top, width x height cells.
-[[nodiscard]] std::vector<Cell> rasterize_cells(const Mesh& mesh, int width, int height);
+[[nodiscard]] LargeVector<Cell> rasterize_cells(const Mesh& mesh, int width, int height);
 
 }  // namespace patina

@@ -1,6 +1,7 @@
 #include "patina/scene/range_image.h"
 
 #include "patina/base/check.h"
+#include "patina/base/large_vector.h"
 #include "patina/base/parallel.h"
 #include "patina/math/statistics.h"
 
@@ -10,6 +11,7 @@
 #include <limits>
 #include <map>
 #include <optional>
+#include <span>
 #include <utility>
 
 namespace patina {
@@ -45,15 +47,15 @@ void for_each_row(int num_rows, const Body& body) {
 }
 
 // What collect(j, list) puts on the list of every row, one row behind the other.
-template <typename Value, typename Collect>
-std::vector<Value> by_rows(int num_rows, const Collect& collect) {
-    std::vector<std::vector<Value>> rows(std::size_t(std::max(num_rows, 0)));
+template <typename List, typename Collect>
+List by_rows(int num_rows, const Collect& collect) {
+    std::vector<std::vector<typename List::value_type>> rows(std::size_t(std::max(num_rows, 0)));
     for_each_row(num_rows, [&](int j) { collect(j, rows[std::size_t(j)]); });
     std::size_t total = 0;
-    for (const std::vector<Value>& row : rows) total += row.size();
-    std::vector<Value> all;
+    for (const auto& row : rows) total += row.size();
+    List all;
     all.reserve(total);
-    for (const std::vector<Value>& row : rows) all.insert(all.end(), row.begin(), row.end());
+    for (const auto& row : rows) all.insert(all.end(), row.begin(), row.end());
     return all;
 }
 
@@ -101,7 +103,7 @@ class Grid {
 
   private:
     [[nodiscard]] double median_step() const {
-        std::vector<double> steps = by_rows<double>(height_, [&](int j, auto& row) {
+        std::vector<double> steps = by_rows<std::vector<double>>(height_, [&](int j, auto& row) {
             for (int i = 0; i < width_; ++i) {
                 const auto here = find(i, j);
                 if (!here) continue;
@@ -115,7 +117,7 @@ class Grid {
     int width_;
     int height_;
     bool wraps_;
-    std::vector<Vec3> points_;
+    LargeVector<Vec3> points_;
     std::vector<char> measured_;
     double max_step_ = 0;  // [length]
 };
@@ -150,8 +152,8 @@ void add_quad(const Grid& grid, int i, int j, std::vector<PixelTriangle>& triang
     add_if_joined(grid, {ring[0], ring[2], ring[3]}, triangles);
 }
 
-std::vector<PixelTriangle> triangulate(const Grid& grid) {
-    return by_rows<PixelTriangle>(grid.height() - 1, [&](int j, auto& triangles) {
+LargeVector<PixelTriangle> triangulate(const Grid& grid) {
+    return by_rows<LargeVector<PixelTriangle>>(grid.height() - 1, [&](int j, auto& triangles) {
         for (int i = 0; i < grid.num_quad_columns(); ++i) add_quad(grid, i, j, triangles);
     });
 }
@@ -177,8 +179,8 @@ Vec3 quadrant_normal(const Grid& grid, int i, int j, std::size_t here) {
 }
 
 // One per pixel; zero for pixels without triangles.
-std::vector<Vec3> pixel_normals(const Grid& grid, const std::vector<PixelTriangle>& triangles) {
-    std::vector<Vec3> by_triangles(grid.size(), Vec3::Zero());
+LargeVector<Vec3> pixel_normals(const Grid& grid, std::span<const PixelTriangle> triangles) {
+    LargeVector<Vec3> by_triangles(grid.size(), Vec3::Zero());
     std::vector<char> is_corner(grid.size(), 0);
     for (const PixelTriangle& t : triangles) {
         const Vec3 area_normal =
@@ -189,7 +191,7 @@ std::vector<Vec3> pixel_normals(const Grid& grid, const std::vector<PixelTriangl
         }
     }
     // Only corners of triangles are vertices.
-    std::vector<Vec3> normals(grid.size(), Vec3::Zero());
+    LargeVector<Vec3> normals(grid.size(), Vec3::Zero());
     for_each_row(grid.height(), [&](int j) {
         for (int i = 0; i < grid.width(); ++i) {
             const std::size_t here = std::size_t(j) * std::size_t(grid.width()) + std::size_t(i);
@@ -206,7 +208,7 @@ std::vector<Vec3> pixel_normals(const Grid& grid, const std::vector<PixelTriangl
 // Turns pixels and the points where the seam cuts an edge into vertices.
 class MeshBuilder {
   public:
-    MeshBuilder(const Grid& grid, std::vector<Vec3> normals)
+    MeshBuilder(const Grid& grid, LargeVector<Vec3> normals)
         : grid_(grid), normals_(std::move(normals)), vertex_of_(grid.size(), kNoVertex) {}
 
     // For so many triangles, but for what the seam adds.
@@ -289,7 +291,7 @@ class MeshBuilder {
     }
 
     const Grid& grid_;
-    std::vector<Vec3> normals_;
+    LargeVector<Vec3> normals_;
     std::vector<std::uint32_t> vertex_of_;
     std::map<std::pair<std::size_t, std::size_t>, std::array<std::uint32_t, 2>> cuts_;
     Mesh mesh_;
@@ -309,7 +311,7 @@ double column_azimuth(const RangeFrame& frame, int width, double column) {
 Mesh mesh_from_range(const RangeFrame& frame, const Image& range) {
     PATINA_CHECK_EQ(range.channels, 1);
     const Grid grid(frame, range);
-    const std::vector<PixelTriangle> triangles = triangulate(grid);
+    const LargeVector<PixelTriangle> triangles = triangulate(grid);
     MeshBuilder builder(grid, pixel_normals(grid, triangles));
     builder.reserve(triangles.size());
     for (const PixelTriangle& t : triangles) builder.add(t);
