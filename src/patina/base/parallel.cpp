@@ -58,13 +58,18 @@ struct BesideWork::State {
 };
 
 BesideWork::BesideWork(const std::function<void()>& work) : state_(std::make_unique<State>()) {
-    state_->group.run([work, state = state_.get()] {
+    const auto run = [work, state = state_.get()] {
         try {
             work();
         } catch (...) {
             state->exception = std::current_exception();
         }
-    });
+    };
+    if (thread_count() == 1) {
+        run();
+    } else {
+        state_->group.run(run);
+    }
 }
 
 BesideWork::~BesideWork() { state_->group.wait(); }
