@@ -113,7 +113,7 @@ class GatherIteration {
     LargeVector<LobePrior> priors_;  // empty: nothing is known of neighbours
     double trust_ = 0;               // see evidence_weight()
     LargeVector<TexelFit> fits_;
-    std::vector<float> robust_;       // factors on the weights, per row of the observations
+    LargeVector<float> robust_;       // factors on the weights, per row of the observations
     std::vector<Rgbf> held_weights_;  // for lamp factor 1, per row; empty unless held
     GuidedFill geometry_fill_;
     LobeFilling lobe_filling_;
