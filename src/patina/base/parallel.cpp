@@ -65,7 +65,8 @@ BesideWork::BesideWork(const std::function<void()>& work) : state_(std::make_uni
             state->exception = std::current_exception();
         }
     };
-    if (thread_count() == 1) {
+    // A limit of two threads makes no second processor.
+    if (std::min(thread_count(), oneapi::tbb::this_task_arena::max_concurrency()) == 1) {
         run();
     } else {
         state_->group.run(run);

@@ -66,8 +66,8 @@ template <typename Value, typename Term>
     return total;
 }
 
-// Work that goes on beside the caller's, on a thread that has nothing else to do. Where loops have
-// one thread only, it is done at once.
+// Work that goes on beside the caller's, on a thread of the loops that has nothing else to do, or
+// by whoever waits for it. Where loops have one thread only, it is done at once.
 class BesideWork {
   public:
     explicit BesideWork(const std::function<void()>& work);

@@ -69,7 +69,9 @@ TEST(BesideWork, IsDoneWhenItWasWaitedFor) {
         const ThreadLimit limit(threads);
         int result = 0;
         BesideWork work([&result] { result = 7; });
-        if (threads == 1) EXPECT_EQ(result, 7);
+        if (threads == 1) {
+            EXPECT_EQ(result, 7);
+        }
         // The caller's own loops go on meanwhile.
         EXPECT_EQ(ordered_reduce(100000, 0.0, [](std::size_t) { return 1.0; }), 100000) << threads;
         work.wait();

@@ -25,9 +25,8 @@ namespace patina {
 class GatherEngine final : public IndirectEngine {
   public:
     // Reads the graph from options.graph_file, or traces it and begins to write it there.
-    // kept_blocks: so many blocks of lamps
-    // keep what is known of them at the hits, those that turn first; the others compute it again in
-    // each turn.
+    // kept_blocks: so many blocks of lamps keep what is known of them at the hits, those that turn
+    // first; the others compute it again in each turn.
     GatherEngine(const Surface& surface,
                  const TexelAtlas& atlas,
                  const SceneView& scene,

@@ -21,8 +21,8 @@ namespace {
 constexpr double kTexelBytes = 1000;
 // Neighbours of the atlas that a filter reaches for each square of its radius.
 constexpr double kFilterTexels = 4;
-// Radiance, its variance, and what the file holds before it is decoded.
-constexpr double kPixelBytes = 40;
+// Radiance, its variance, and what the files of the image, its dark frame and its mask hold.
+constexpr double kPixelBytes = 64;
 
 std::string in_gibibytes(double bytes) { return fmt::format("{:.2f} GiB", bytes / kGibibyte); }
 

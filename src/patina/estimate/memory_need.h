@@ -6,7 +6,7 @@
 //     held       what the process has when it is asked: the program, mesh, atlas, ray tracer
 //     views      T (V TexelView + N DirectLight + 12 V)
 //     looks      R (Observation + 16) + K LampTerm, and 24 R with an error of registration
-//     images     T S (TexelSample, and 24 with an error of registration) + one image
+//     images     T S (TexelSample, and 24 with an error of registration) + kImagesAtOnce images
 //     graph      H GatherHit + G GlossyHit + 16 T (V + 1)
 //     tracing    twice the hits of the largest rows, on top, before they are compact
 //     lanes      H TurningHit for each block of 8 lamps that turn with the scanner,

@@ -148,24 +148,33 @@ double default_variance(const Samples& samples, double share) {
 // one threw is passed on, as if they were read in turn.
 template <typename Read>
 void for_each_shot(std::size_t num_shots, const Read& read) {
-    std::array<std::exception_ptr, kImagesAtOnce> failures;
-    std::atomic<std::size_t> first_failed = num_shots;
-    const auto read_every_nth = [&](std::size_t lane) {
-        // Those before the one that failed are still read.
-        for (std::size_t shot = lane; shot < first_failed; shot += kImagesAtOnce) {
+    struct Failure {
+        std::size_t shot;
+        std::exception_ptr exception;
+    };
+    std::array<Failure, kImagesAtOnce> failures;
+    failures.fill({num_shots, nullptr});
+    std::atomic<std::size_t> next = 0;
+    std::atomic<bool> has_failed = false;
+    const auto read_some = [&](std::size_t lane) {
+        // All shots before one that fails were begun before it, and are read to their end.
+        while (!has_failed) {
+            const std::size_t shot = next++;
+            if (shot >= num_shots) return;
             try {
                 read(shot);
             } catch (...) {
-                failures[lane] = std::current_exception();
-                std::size_t known = first_failed;
-                while (shot < known && !first_failed.compare_exchange_weak(known, shot)) {
-                }
-                return;
+                failures[lane] = {shot, std::current_exception()};
+                has_failed = true;
             }
         }
     };
-    parallel_for(kImagesAtOnce, read_every_nth, 1);
-    if (first_failed < num_shots) std::rethrow_exception(failures[first_failed % kImagesAtOnce]);
+    parallel_for(kImagesAtOnce, read_some, 1);
+    const Failure& first =
+        *std::min_element(failures.begin(), failures.end(), [](const Failure& a, const Failure& b) {
+            return a.shot < b.shot;
+        });
+    if (first.exception) std::rethrow_exception(first.exception);
 }
 
 void add_noise_model(const ObservationOptions& options,

@@ -7,8 +7,9 @@
 
 namespace patina {
 
-// Only the wanted channels are read, straight into the image. Both fail where the file is damaged,
-// deep, cropped, or has integers or sub-sampled samples in a wanted channel.
+// Only the wanted channels are read, straight into the image. Both fail where the file is deep,
+// cropped, or has integers or sub-sampled samples in a wanted channel, and where what they read of
+// it is damaged: the size is in the header.
 [[nodiscard]] Image read_exr(const Place& place);
 [[nodiscard]] ImageSize read_exr_size(const Place& place);
 

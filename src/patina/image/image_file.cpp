@@ -85,6 +85,7 @@ std::vector<int> wanted_channels(const std::vector<std::string>& names, const Pl
     for (const std::string& name : names) layers.push_back(layer_of(name));
     // "a." comes before "a.b." however their channels are called.
     std::sort(layers.begin(), layers.end());
+    layers.erase(std::unique(layers.begin(), layers.end()), layers.end());
     for (const std::string& layer : layers) {
         const std::vector<int> rgb = {find(layer + "R"), find(layer + "G"), find(layer + "B")};
         if (rgb[0] >= 0 && rgb[1] >= 0 && rgb[2] >= 0) return rgb;

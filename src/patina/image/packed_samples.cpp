@@ -54,7 +54,7 @@ void unpack_samples(const std::uint8_t* bytes, SampleType type, std::span<float>
     } else if (type.bits == 8 || type.bits == 16) {
         unpack_indices(bytes, type.bits, row);
     } else {
-        const std::uint32_t white = type.bits < 8 ? 255 : 65535;
+        const auto white = static_cast<std::uint32_t>(type.white());
         const std::uint32_t highest = (1u << type.bits) - 1;
         unpack_bits(bytes, type.bits, row, [&](std::uint32_t stored) {
             return static_cast<float>(stored * white / highest);

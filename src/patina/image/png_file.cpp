@@ -16,9 +16,11 @@
 #include <cstdint>
 #include <cstdio>
 #include <cstring>
+#include <exception>
 #include <limits>
 #include <numeric>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 // libpng reports an error by a jump out of its call, back to setjmp. The jump runs no destructors:
@@ -259,7 +261,7 @@ ImageSize read_png_size(const Place& place) {
 }
 
 std::string encode_png(const Image& image, int bits) {
-    PATINA_CHECK(image.channels == 1 || image.channels == 3);
+    PATINA_CHECK(!image.empty() && (image.channels == 1 || image.channels == 3));
     PATINA_CHECK(bits == 8 || bits == 16);
     return bits == 8 ? encode<std::uint8_t>(image) : encode<std::uint16_t>(image);
 }

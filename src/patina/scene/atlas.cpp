@@ -1,5 +1,6 @@
 #include "patina/scene/atlas.h"
 
+#include "patina/base/check.h"
 #include "patina/base/parallel.h"
 #include "patina/scene/atlas_cells.h"
 #include "patina/scene/range_image.h"
@@ -175,6 +176,7 @@ class EdgeUses {
   public:
     EdgeUses(const Mesh& mesh, const std::vector<std::uint32_t>& welded)
         : mesh_(mesh), welded_(welded), begin_(mesh.positions.size() + 1, 0) {
+        PATINA_CHECK(mesh.triangles.size() <= std::numeric_limits<std::uint32_t>::max() / 3);
         const auto for_each_use = [&](const auto& work) {
             for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
                 for (int corner = 0; corner < 3; ++corner) work(EdgeUse{i, corner});

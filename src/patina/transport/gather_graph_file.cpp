@@ -7,11 +7,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <exception>
 #include <fstream>
 #include <functional>
 #include <numeric>
 #include <string>
 #include <string_view>
+#include <system_error>
 
 namespace patina {
 namespace {
@@ -46,11 +48,10 @@ std::span<std::byte> bytes_of(Values& values) {
     return std::as_writable_bytes(std::span(values));
 }
 
-// Splits bytes into pieces between which the user may stop.
+// Splits bytes into pieces.
 template <typename Byte, typename Work>
 void for_each_piece(std::span<Byte> bytes, const Work& work) {
     for (std::size_t begin = 0; begin < bytes.size(); begin += kPieceBytes) {
-        throw_if_interrupted();
         work(bytes.subspan(begin, std::min(kPieceBytes, bytes.size() - begin)));
     }
 }
@@ -101,6 +102,7 @@ class GraphReader {
   private:
     [[nodiscard]] bool read_bytes(std::span<std::byte> bytes) {
         for_each_piece(bytes, [&](std::span<std::byte> piece) {
+            throw_if_interrupted();
             stream_.read(reinterpret_cast<char*>(piece.data()), std::streamsize(piece.size()));
             hasher_.add(piece);
         });
@@ -160,6 +162,7 @@ class GraphWriter {
     }
 
   private:
+    // Whoever stops the program waits for the rest, so that the graph is not lost.
     void write_bytes(std::span<const std::byte> bytes) {
         for_each_piece(bytes, [&](std::span<const std::byte> piece) {
             hasher_.add(piece);
@@ -286,12 +289,14 @@ KeptGatherGraph::KeptGatherGraph(fs::path path,
     }
     graph_ = trace_gather_graph(surface, atlas, views, options, progress);
     if (path_.empty()) return;
+    progress.begin_stage("gather graph");
     writing_.emplace([this, fingerprint, mesh = surface.mesh, &atlas, views, options] {
         write_gather_graph(
             path_,
             fingerprint ? *fingerprint : gather_graph_fingerprint(*mesh, atlas, views, options),
             graph_);
     });
+    progress.end_stage("to be kept in " + path_.string());
 }
 
 void KeptGatherGraph::finish(Progress& progress) {
@@ -299,9 +304,12 @@ void KeptGatherGraph::finish(Progress& progress) {
     progress.begin_stage("gather graph");
     try {
         writing_->wait();
-        progress.end_stage(fmt::format(
-            "written to {}, {:.1f} MiB", path_.string(), double(fs::file_size(path_)) / (1 << 20)));
-    } catch (const WorkFailed& failure) {
+        // It may have been deleted since.
+        std::error_code failure;
+        const auto size = fs::file_size(path_, failure);
+        progress.end_stage(failure ? ""
+                                   : fmt::format("written, {:.1f} MiB", double(size) / (1 << 20)));
+    } catch (const std::exception& failure) {
         progress.end_stage();
         progress.note(
             fmt::format("warning: {}; the next estimate traces it again", failure.what()));

@@ -39,9 +39,9 @@ void write_gather_graph(const std::filesystem::path& path,
 // the end. The same graph in either case.
 class KeptGatherGraph {
   public:
-    // Reads or traces, and begins to write what was traced beside the caller's work: all that is
-    // given here must stay until finish(). path: empty for a graph that no file keeps. Throws Error
-    // where the file holds something else than a graph.
+    // Reads or traces, and begins to write what was traced beside the caller's work: mesh, atlas
+    // and views must outlive this. path: empty for a graph that no file keeps. Throws Error where
+    // the file holds something else than a graph.
     KeptGatherGraph(std::filesystem::path path,
                     const Surface& surface,
                     const TexelAtlas& atlas,
@@ -51,7 +51,8 @@ class KeptGatherGraph {
 
     [[nodiscard]] const GatherGraph& graph() const { return graph_; }
 
-    // Waits until the file is written. A disk that refuses is only warned about.
+    // Waits until the file is written, as the destructor does. Whatever keeps it from being written
+    // is only warned about.
     void finish(Progress& progress);
 
   private:

@@ -9,7 +9,9 @@
 
 #include "support/channel.h"
 #include "support/same_bytes.h"
+#include <chrono>
 #include <functional>
+#include <thread>
 
 namespace patina {
 namespace {
@@ -131,6 +133,17 @@ TEST_F(GatherGraphFile, IsKeptNowhereWithoutAName) {
     kept.finish(progress);
     EXPECT_TRUE(same_graph(kept.graph(), traced()));
     EXPECT_TRUE(std::filesystem::is_empty(folder_.path()));
+}
+
+TEST_F(GatherGraphFile, MayBeDeletedAtAnyTime) {
+    Progress progress;
+    const Surface surface = channel_.scene.surface();
+    KeptGatherGraph kept(file(), surface, channel_.atlas, views_, options_, progress);
+    for (int wait = 0; wait < 1000 && !std::filesystem::exists(file()); ++wait) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    }
+    std::filesystem::remove(file());
+    EXPECT_NO_THROW(kept.finish(progress));
 }
 
 TEST_F(GatherGraphFile, IsOnlyWarnedAboutWhereTheDiskRefuses) {
