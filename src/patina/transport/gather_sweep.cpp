@@ -15,7 +15,7 @@ constexpr float kNegligibleWeight = 0.01f;
 
 // The rows of the texels that are hit lie all over memory, so they are asked for this many hits
 // ahead.
-constexpr std::size_t kAhead = 8;
+constexpr std::size_t kAhead = 32;
 
 using Radiance = std::array<Lanes, 3>;
 
