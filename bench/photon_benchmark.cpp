@@ -140,16 +140,25 @@ struct RayTimes {
     Times photons;  // the same rays within trace_photons()
 };
 
-RayTimes time_rays(const LitObject& scene, std::uint64_t photons, int repeats, int threads) {
+// One and two threads in turns, so that whatever else the machine does falls on both; of each turn
+// all is done twice, the second time with caches as such work leaves them.
+std::array<RayTimes, 2> time_rays(const LitObject& scene, std::uint64_t photons, int repeats) {
     const PhotonScene photon_scene(scene.surface, scene.capture.atlas, scene.maps);
-    const ThreadLimit limit(threads);
-    RayTimes times;
-    for (int repeat = 0; repeat < repeats; ++repeat) {
-        times.bare.measure([] { static_cast<void>(replay()); });
-        times.records.measure([&] {
-            static_cast<void>(PhotonScene(scene.surface, scene.capture.atlas, scene.maps));
-        });
-        times.photons.measure([&] { static_cast<void>(trace(scene, photon_scene, photons)); });
+    std::array<RayTimes, 2> times;
+    for (int turn = 0; turn < 2 * repeats; ++turn) {
+        RayTimes& at = times[std::size_t(turn % 2)];
+        const ThreadLimit limit(turn % 2 + 1);
+        for (int time = 0; time < 2; ++time) {
+            at.bare.measure([] { static_cast<void>(replay()); });
+        }
+        for (int time = 0; time < 2; ++time) {
+            at.records.measure([&] {
+                static_cast<void>(PhotonScene(scene.surface, scene.capture.atlas, scene.maps));
+            });
+        }
+        for (int time = 0; time < 2; ++time) {
+            at.photons.measure([&] { static_cast<void>(trace(scene, photon_scene, photons)); });
+        }
     }
     return times;
 }
@@ -168,10 +177,9 @@ void compare_with_bare_rays(const LitObject& scene, std::uint64_t photons, int r
                    paths.bounces.size());
     }
     const double to_ns = 1e9 / double(recording().rays.size());
-    std::array<RayTimes, 2> times;
+    const std::array<RayTimes, 2> times = time_rays(scene, photons, repeats);
     for (int threads = 1; threads <= 2; ++threads) {
-        RayTimes& at = times[std::size_t(threads - 1)];
-        at = time_rays(scene, photons, repeats, threads);
+        const RayTimes& at = times[std::size_t(threads - 1)];
         const auto print = [&](const char* what, double Times::*time) {
             const double bare = at.bare.*time;
             fmt::print(

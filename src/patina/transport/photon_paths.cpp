@@ -2,6 +2,7 @@
 
 #include "patina/base/check.h"
 #include "patina/base/parallel.h"
+#include "patina/base/pool.h"
 #include "patina/transport/photon_columns.h"
 #include "patina/transport/photon_join.h"
 #include "patina/transport/photon_wave.h"
@@ -48,20 +49,24 @@ PhotonPaths trace_photons(const PhotonScene& scene,
     }
     const PhotonNumbers numbers(options.seed, stream);
     const PhotonStart start(scene, lamps, options, numbers);
+    Pool<PhotonWave> waves([&] {
+        return std::make_unique<PhotonWave>(scene,
+                                            start,
+                                            numbers,
+                                            options,
+                                            lamps.turns_with_scanner,
+                                            columns ? &*columns : nullptr);
+    });
     if (start.has_light()) {
         blocks.resize((options.photons + kWaveSize - 1) / kWaveSize);
         parallel_blocks(options.photons, kPhotonsPerTask, [&](std::size_t begin, std::size_t end) {
-            const auto wave = std::make_unique<PhotonWave>(scene,
-                                                           start,
-                                                           numbers,
-                                                           options,
-                                                           lamps.turns_with_scanner,
-                                                           columns ? &*columns : nullptr);
             PhotonStart::Cursor cursor(start, begin);
-            for (std::size_t first = begin; first < end; first += kWaveSize) {
-                blocks[first / kWaveSize] =
-                    wave->follow(first, std::min(kWaveSize, end - first), cursor);
-            }
+            waves.lend([&](PhotonWave& wave) {
+                for (std::size_t first = begin; first < end; first += kWaveSize) {
+                    blocks[first / kWaveSize] =
+                        wave.follow(first, std::min(kWaveSize, end - first), cursor);
+                }
+            });
             progress.advance(end - begin);
         });
     }

@@ -10,6 +10,7 @@
 // every iteration and the iteration is a deterministic map (docs/theory.md, "Photons").
 #pragma once
 
+#include "patina/base/large_vector.h"
 #include "patina/base/progress.h"
 #include "patina/transport/direct.h"
 #include "patina/transport/photon_scene.h"
@@ -35,15 +36,15 @@ struct PhotonOptions {
     bool exact_columns = false;
 };
 
-// One reflection and the arrival after it.
+// One reflection and the arrival after it. Without initialisers, see UnclearedVector.
 struct PhotonBounce {
-    TexelId from = kNoTexel;    // where it was reflected
-    TexelId to = kNoTexel;      // where it arrived
-    float theta_r_squared = 0;  // mirror angle of the reflection, squared [rad^2]
-    float lobe_cosines = 0;     // lobe_cosines() of the reflection [-]
-    float geometry =
-        0;  // cosine / (pdf x survival), and shading normal over geometric one on arrival [sr]
-    float window = 1;  // share that counts for the arrival's column (turning lamps) [1 or 1/rad]
+    TexelId from;           // where it was reflected
+    TexelId to;             // where it arrived
+    float theta_r_squared;  // mirror angle of the reflection, squared [rad^2]
+    float lobe_cosines;     // lobe_cosines() of the reflection [-]
+    float geometry;  // cosine / (pdf x survival), and shading normal over geometric one on arrival
+                     // [sr]
+    float window;    // share that counts for the arrival's column (turning lamps) [1 or 1/rad]
 };
 
 // Marks a bounce that counts for no column.
@@ -53,17 +54,18 @@ inline constexpr std::uint32_t kNoArrival = 0xffffffffu;
 // are the bounces that count, sorted by the texel of arrival.
 struct PhotonPaths {
     struct Path {
-        Rgbf power = Rgbf::Zero();  // that falls on the first texel [radiance x sr x length^2]
-        std::uint32_t first_bounce = 0;
-        std::uint8_t half = 0;  // which of two independent halves of the photons
+        Rgbf power;  // that falls on the first texel [radiance x sr x length^2]
+        std::uint32_t first_bounce;
+        std::uint8_t half;  // which of two independent halves of the photons
     };
-    std::vector<Path> paths;  // those with at least one bounce, in order of photon index
-    std::vector<PhotonBounce> bounces;
-    std::vector<std::uint32_t> arrival_of_bounce;  // kNoArrival where the bounce does not count
-    std::vector<std::uint32_t> arrivals_begin;     // texels + 1 offsets into the arrivals
-    std::vector<std::uint8_t> arrival_half;
-    std::vector<Vec3f> arrival_direction;  // unit, from the surface back along the photon's way
-    std::vector<Vec3f> arrival_position;   // [length]; empty unless PhotonOptions::keep_positions
+    UnclearedVector<Path> paths;  // those with at least one bounce, in order of photon index
+    UnclearedVector<PhotonBounce> bounces;
+    UnclearedVector<std::uint32_t> arrival_of_bounce;  // kNoArrival where the bounce does not count
+    UnclearedVector<std::uint32_t> arrivals_begin;     // texels + 1 offsets into the arrivals
+    UnclearedVector<std::uint8_t> arrival_half;
+    UnclearedVector<Vec3f> arrival_direction;  // unit, from the surface back along the photon's way
+    UnclearedVector<Vec3f>
+        arrival_position;  // [length]; empty unless PhotonOptions::keep_positions
     std::uint64_t rays = 0;
 };
 

@@ -49,17 +49,19 @@ PhotonScene::PhotonScene(const Surface& surface,
       atlas_(atlas),
       triangles_(surface.mesh->triangles.size()),
       texels_(guide.size()),
+      receivers_(guide.size()),
       albedo_(tabulate_albedo()) {
     fill_triangles();
     fill_texels(guide);
 }
 
-float PhotonScene::survival(const PhotonTexel& texel, float cos_i) const {
+float PhotonScene::survival(const PhotonReceiver& receiver, float cos_i) const {
     const float position = std::min(cos_i, 1.0f) * float(kNumCosines - 1);
     const std::size_t column = std::min(std::size_t(position), kNumCosines - 2);
-    const float* values = &albedo_[texel.roughness_row * kNumCosines + column];
+    const float* values = &albedo_[receiver.roughness_row * kNumCosines + column];
     const float share = position - float(column);
-    const float albedo = texel.diffuse + texel.lobe * (values[0] + share * (values[1] - values[0]));
+    const float albedo =
+        receiver.diffuse + receiver.lobe * (values[0] + share * (values[1] - values[0]));
     return std::clamp(albedo, kMinSurvival, kMaxSurvival);
 }
 
@@ -113,7 +115,7 @@ void PhotonScene::fill_texels(std::span<const Reflectance> guide) {
         const double variance = square(map.roughness);
         to.lobe = float(2 * variance * map.specular);
         to.concentration = float(1 / variance);
-        to.roughness_row = roughness_row(map.roughness);
+        receivers_[i] = {to.diffuse, to.lobe, to.concentration, roughness_row(map.roughness)};
     });
 }
 

@@ -1,4 +1,4 @@
-// What photons meet, laid out for them: a record per triangle and one per texel, in single
+// What photons meet, laid out for them: a record per triangle and two per texel, in single
 // precision, so that a bounce touches few cache lines and derives nothing anew.
 #pragma once
 
@@ -22,19 +22,25 @@ struct alignas(128) PhotonTriangle {
     Vec3f normal, normal_edge1, normal_edge2;        // smooth normal before it is made unit
 };
 
-// A texel where photons start, and how they are reflected there and survive.
+// A texel where photons start, and how they are reflected there.
 struct alignas(64) PhotonTexel {
     Vec3f origin;  // the centre, moved off the surface by Tracer::offset_length() [length]
-    Vec3f geometric_normal, normal;   // unit
-    float area = 0;                   // [length^2]
-    float azimuth = 0;                // of the column [rad]
-    float mean_albedo = 0;            // what the guide reflects at most, mean of all channels [-]
-    float diffuse = 0;                // largest channel of Pd [-]
-    float lobe = 0;                   // 2 sigma^2 Ps, the lobe's albedo before the horizon cuts it
-    float concentration = 0;          // kappa = 1 / sigma^2 of the lobe's sampler [-]
-    std::uint32_t roughness_row = 0;  // of the survival table
+    Vec3f geometric_normal, normal;  // unit
+    float area = 0;                  // [length^2]
+    float azimuth = 0;               // of the column [rad]
+    float mean_albedo = 0;           // what the guide reflects at most, mean of all channels [-]
+    float diffuse = 0;               // largest channel of Pd [-]
+    float lobe = 0;                  // 2 sigma^2 Ps, the lobe's albedo before the horizon cuts it
+    float concentration = 0;         // kappa = 1 / sigma^2 of the lobe's sampler [-]
 };
 static_assert(sizeof(PhotonTexel) == 64);
+
+// What photons that arrive need to know of a texel, apart from it: they arrive anywhere, and four
+// of these share a cache line.
+struct alignas(16) PhotonReceiver {
+    float diffuse = 0, lobe = 0, concentration = 0;  // as in PhotonTexel
+    std::uint32_t roughness_row = 0;                 // of the survival table
+};
 
 class PhotonScene {
   public:
@@ -50,6 +56,7 @@ class PhotonScene {
     }
     [[nodiscard]] std::size_t num_texels() const { return texels_.size(); }
     [[nodiscard]] const PhotonTexel& texel(TexelId texel) const { return texels_[texel]; }
+    [[nodiscard]] const PhotonReceiver& receiver(TexelId texel) const { return receivers_[texel]; }
     [[nodiscard]] float offset_length() const { return float(tracer().offset_length()); }
     // The cell at a position in the atlas [cells], and the texel that it belongs to.
     [[nodiscard]] std::size_t cell_at(const Vec2f& position) const {
@@ -61,7 +68,7 @@ class PhotonScene {
         return atlas_.cell_owner[cell];
     }
     // Probability with which a photon that falls in at cos_i > 0 is let live: about the albedo.
-    [[nodiscard]] float survival(const PhotonTexel& texel, float cos_i) const;
+    [[nodiscard]] float survival(const PhotonReceiver& receiver, float cos_i) const;
 
   private:
     void fill_triangles();
@@ -71,6 +78,7 @@ class PhotonScene {
     const TexelAtlas& atlas_;
     LargeVector<PhotonTriangle> triangles_;
     LargeVector<PhotonTexel> texels_;
+    LargeVector<PhotonReceiver> receivers_;
     std::vector<float> albedo_;  // of the lobe over 2 sigma^2; rows: sigma, columns: cos_i
 };
 

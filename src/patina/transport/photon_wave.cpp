@@ -228,7 +228,9 @@ void PhotonWave::locate_hits() {
 void PhotonWave::find_texel(std::size_t number) {
     Hit& hit = hits_[number];
     hit.texel = scene_.texel_of_cell(hit.cell);
-    if (hit.texel != kNoTexel) prefetch(&scene_.texel(hit.texel));
+    if (hit.texel == kNoTexel) return;
+    prefetch(&scene_.receiver(hit.texel));
+    if (turns_with_scanner_) prefetch(&scene_.texel(hit.texel));
 }
 
 // The density of the directions that hit something, and what weights need to know of them.
@@ -279,7 +281,6 @@ void PhotonWave::keep_powers() {
 void PhotonWave::arrive(std::size_t number) {
     const Hit& hit = hits_[number];
     if (hit.arriving <= 0 || hit.shading <= 0 || hit.texel == kNoTexel) return;
-    const PhotonTexel& texel = scene_.texel(hit.texel);
     const std::uint32_t photon = hit_lanes_.photon[number];
     Arrival& arrival = arrivals_.emplace_back();
     arrival.photon = photon;
@@ -292,18 +293,19 @@ void PhotonWave::arrive(std::size_t number) {
     bounce.lobe_cosines = hit_lanes_.lobe_cosines[number];
     bounce.geometry =
         hit_lanes_.geometry[number] * std::min(hit.shading / hit.arriving, kMaxShadingRatio);
+    bounce.window = 1;
     if (turns_with_scanner_ && columns_ == nullptr) {
-        bounce.window =
-            azimuth_kernel(lanes_.azimuth[photon] - texel.azimuth, float(options_.azimuth_window));
+        bounce.window = azimuth_kernel(lanes_.azimuth[photon] - scene_.texel(hit.texel).azimuth,
+                                       float(options_.azimuth_window));
     }
     ++num_bounces_[photon];
-    const float survival = scene_.survival(texel, hit.shading);
+    const float survival = scene_.survival(scene_.receiver(hit.texel), hit.shading);
     if (hit_lanes_.roulette[number] < survival) reflect(number, survival);
 }
 
 void PhotonWave::reflect(std::size_t number, float survival) {
     const Hit& hit = hits_[number];
-    const PhotonTexel& texel = scene_.texel(hit.texel);
+    const PhotonReceiver& receiver = scene_.receiver(hit.texel);
     const Vec3f& geometric_normal = scene_.triangle(lanes_.hit_triangle[hit.lane]).geometric_normal;
     const std::size_t next = lanes_.size++;
     lanes_.w_i.set(next, w_back(hit));
@@ -311,9 +313,9 @@ void PhotonWave::reflect(std::size_t number, float survival) {
     lanes_.geometric_normal.set(next, geometric_normal);
     lanes_.normal.set(next, hit.normal);
     lanes_.texel[next] = hit.texel;
-    lanes_.diffuse[next] = texel.diffuse;
-    lanes_.lobe[next] = texel.lobe;
-    lanes_.concentration[next] = texel.concentration;
+    lanes_.diffuse[next] = receiver.diffuse;
+    lanes_.lobe[next] = receiver.lobe;
+    lanes_.concentration[next] = receiver.concentration;
     lanes_.survival[next] = survival;
     lanes_.choice[next] = hit_lanes_.choice[number];
     lanes_.photon[next] = hit_lanes_.photon[number];
@@ -321,30 +323,24 @@ void PhotonWave::reflect(std::size_t number, float survival) {
 }
 
 // Photons that arrive once do so first after the first reflection, where they are still in order.
-PhotonBlock PhotonWave::block() const {
-    PhotonBlock block;
-    block.rays = num_rays_;
-    block.paths.reserve(num_paths_);
-    block.bounces.resize(arrivals_.size());
-    block.directions.resize(arrivals_.size());
-    block.halves.resize(arrivals_.size());
-    if (options_.keep_positions) block.positions.resize(arrivals_.size());
+PhotonBlock PhotonWave::block() {
+    const auto paths = kept_paths_.take(num_paths_);
+    const auto arrivals = kept_arrivals_.take(arrivals_.size());
+    const auto positions = kept_positions_.take(options_.keep_positions ? arrivals_.size() : 0);
     Lane<std::uint32_t> next_bounce;
     std::uint32_t next = 0;
     for (std::size_t i = 0; i < num_paths_; ++i) {
         const std::uint32_t photon = arrivals_[i].photon;
-        block.paths.push_back({power_[photon], next, half_of(photon)});
+        paths[i] = {power_[photon], next, half_of(photon)};
         next_bounce[photon] = next;
         next += num_bounces_[photon];
     }
     for (const Arrival& arrival : arrivals_) {
         const std::uint32_t bounce = next_bounce[arrival.photon]++;
-        block.bounces[bounce] = arrival.bounce;
-        block.directions[bounce] = arrival.w_back;
-        block.halves[bounce] = half_of(arrival.photon);
-        if (options_.keep_positions) block.positions[bounce] = arrival.position;
+        arrivals[bounce] = {arrival.bounce, arrival.w_back, half_of(arrival.photon)};
+        if (options_.keep_positions) positions[bounce] = arrival.position;
     }
-    return block;
+    return {paths, arrivals, positions, num_rays_};
 }
 
 }  // namespace patina

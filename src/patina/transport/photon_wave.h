@@ -6,6 +6,7 @@
 // the reflection alone.
 #pragma once
 
+#include "patina/base/piece_store.h"
 #include "patina/transport/photon_columns.h"
 #include "patina/transport/photon_join.h"
 #include "patina/transport/photon_lanes.h"
@@ -28,7 +29,8 @@ class PhotonWave {
                const PhotonColumns* columns);
 
     // Follows count <= kWaveSize photons from first_photon (even) on to their ends. Returns what
-    // they did, photon by photon. cursor: as for PhotonStart::fill().
+    // they did, photon by photon, kept by the wave as long as it lives. cursor: as for
+    // PhotonStart::fill().
     [[nodiscard]] PhotonBlock follow(std::uint64_t first_photon,
                                      std::size_t count,
                                      PhotonStart::Cursor& cursor);
@@ -66,7 +68,7 @@ class PhotonWave {
     void arrive(std::size_t hit);
     void reflect(std::size_t hit, float survival);
     [[nodiscard]] Vec3f w_back(const Hit& hit) const { return -lanes_.w_o.at(hit.lane); }
-    [[nodiscard]] PhotonBlock block() const;
+    [[nodiscard]] PhotonBlock block();
 
     const PhotonScene& scene_;
     const PhotonStart& start_;
@@ -95,6 +97,11 @@ class PhotonWave {
     std::vector<Arrival> arrivals_;  // reflection by reflection
     std::size_t num_paths_ = 0;      // photons that arrived
     std::uint64_t num_rays_ = 0;
+
+    // What the blocks refer to.
+    PieceStore<PhotonPaths::Path> kept_paths_;
+    PieceStore<PhotonArrival> kept_arrivals_;
+    PieceStore<Vec3f> kept_positions_;
 };
 
 }  // namespace patina
