@@ -9,6 +9,7 @@
 // and the mirror angles. Per entry of the filter: 2 operations and 4 bytes in each lane of three
 // channels of two halves. Per second ray: 21 operations in one lane, and the bytes of the ray and
 // of the lobe that it meets; what those that matter go on to read and add is not counted.
+#include "patina/base/large_vector.h"
 #include "patina/base/parallel.h"
 #include "patina/estimate/joint_fit.h"
 #include "patina/transport/gather_sweep.h"
@@ -23,17 +24,19 @@ namespace patina {
 namespace {
 
 constexpr std::size_t kBlock = 4096;
-constexpr std::size_t kTriadLength = std::size_t(1) << 24;  // 64 MiB an array
+constexpr std::size_t kTriadLength = std::size_t(1) << 26;  // 256 MiB an array
 constexpr double kLobeOperations = 35;
 constexpr double kMatteOperations = 9;
 constexpr double kSecondRayOperations = 21;
 
-// a <- b + s c, as STREAM does it: two arrays are read, one is written.
+// a <- b + s c, as STREAM does it: two arrays are read, one is written, each of them four times as
+// large as the caches of last level together, here two of 32 MiB: or the second thread would bring a
+// cache of its own besides. In huge pages, as what the sweep reads.
 void triad(benchmark::State& state) {
     const ThreadLimit limit(int(state.range(0)));
-    std::vector<float> a(kTriadLength, 0.0f);
-    const std::vector<float> b(kTriadLength, 1.0f);
-    const std::vector<float> c(kTriadLength, 2.0f);
+    LargeVector<float> a(kTriadLength, 0.0f);
+    const LargeVector<float> b(kTriadLength, 1.0f);
+    const LargeVector<float> c(kTriadLength, 2.0f);
     for (auto _ : state) {
         parallel_blocks(kTriadLength, kBlock, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) a[i] = b[i] + 3.0f * c[i];

@@ -42,9 +42,9 @@ struct PhotonBounce {
     TexelId to;             // where it arrived
     float theta_r_squared;  // mirror angle of the reflection, squared [rad^2]
     float lobe_cosines;     // lobe_cosines() of the reflection [-]
-    float geometry;  // cosine / (pdf x survival), and shading normal over geometric one on arrival
-                     // [sr]
-    float window;    // share that counts for the arrival's column (turning lamps) [1 or 1/rad]
+    // Cosine / (pdf x survival), and shading normal over geometric one on arrival [sr].
+    float geometry;
+    float window;  // share that counts for the arrival's column (turning lamps) [1 or 1/rad]
 };
 
 // Marks a bounce that counts for no column.
