@@ -30,8 +30,8 @@ constexpr double kMatteOperations = 9;
 constexpr double kSecondRayOperations = 21;
 
 // a <- b + s c, as STREAM does it: two arrays are read, one is written, each of them four times as
-// large as the caches of last level together, here two of 32 MiB: or the second thread would bring
-// a cache of its own besides. In huge pages, as what the sweep reads.
+// large as the caches of last level together, if two processors have 32 MiB each: or the second
+// thread would bring a cache of its own besides. In huge pages, as what the sweep reads.
 void triad(benchmark::State& state) {
     const ThreadLimit limit(int(state.range(0)));
     LargeVector<float> a(kTriadLength, 0.0f);

@@ -20,12 +20,8 @@ void unmap(std::uintptr_t begin, std::uintptr_t end) noexcept {
 // The system may place a mapping at any small page: the ends that are too much are given back.
 std::byte* map_aligned(std::size_t size) {
     if (size > std::size_t(-1) - kHugePage) return nullptr;
-    void* const mapped = mmap(nullptr,
-                              size + kHugePage,
-                              PROT_READ | PROT_WRITE,
-                              MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE,
-                              -1,
-                              0);
+    void* const mapped =
+        mmap(nullptr, size + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
     if (mapped == MAP_FAILED) return nullptr;
     const std::uintptr_t first = address_of(static_cast<std::byte*>(mapped));
     const std::uintptr_t begin = (first + kHugePage - 1) / kHugePage * kHugePage;
@@ -90,6 +86,11 @@ void HugePages::give_back(std::byte* memory, std::size_t size) noexcept {
     } catch (const std::bad_alloc&) {
         unmap(address, address + size);
     }
+}
+
+std::size_t HugePages::kept_bytes() const {
+    const std::lock_guard lock(mutex_);
+    return kept_;
 }
 
 void HugePages::give_all_to_system() {

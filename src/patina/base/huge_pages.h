@@ -31,14 +31,14 @@ class HugePages {
     // A range that was taken, or whole huge pages of it.
     void give_back(std::byte* memory, std::size_t size) noexcept;
 
-    [[nodiscard]] std::size_t kept_bytes() const { return kept_; }
+    [[nodiscard]] std::size_t kept_bytes() const;
 
   private:
     [[nodiscard]] std::byte* take_kept(std::size_t size);
     void give_all_to_system();
 
     std::size_t max_kept_;
-    std::mutex mutex_;
+    mutable std::mutex mutex_;
     std::map<std::uintptr_t, std::size_t> free_;  // sizes by address; no two of them touch
     std::size_t kept_ = 0;                        // in all of them [bytes]
 };

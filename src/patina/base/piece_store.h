@@ -17,6 +17,7 @@ class PieceStore {
   public:
     // `count` values side by side, not cleared; they live as long as the store.
     [[nodiscard]] std::span<Value> take(std::size_t count) {
+        if (count == 0) return {};  // or what stays empty would have a piece
         if (pieces_.empty() || pieces_.back().capacity() - pieces_.back().size() < count) {
             pieces_.emplace_back().reserve(std::max(count, kPieceBytes / sizeof(Value)));
         }
